@@ -1,0 +1,71 @@
+// jobs.h - the job table and the scheduler that owns it.
+//
+// One scheduler thread makes every state change and decides who renders what next; one thread per
+// worker runs slices; one preparer compiles programs and allocates films. Jobs of equal priority
+// share the workers in turns of one slice; a higher priority is served first from the next slice.
+//
+// Threads: create/destroy by main; every other call by any thread (they post to the scheduler or
+// read under the table's mutex; none waits for a render).
+#ifndef GLINT_JOBS_JOBS_H
+#define GLINT_JOBS_JOBS_H
+
+#include "protocol/job.h"
+#include "render/render.h"
+#include "scene/store.h"
+
+#include <cjson/cJSON.h>
+
+typedef struct glint_jobs glint_jobs;
+
+enum glint_job_state { GLINT_JOB_QUEUED, GLINT_JOB_RENDERING, GLINT_JOB_PAUSED, GLINT_JOB_DONE,
+                       GLINT_JOB_FAILED, GLINT_JOB_CANCELLED };
+const char *glint_job_state_name(enum glint_job_state state);
+
+#define GLINT_JOB_ID_BYTES 33
+
+glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_store *store,
+                               struct glint_error *err);
+// Stops after the slices out now; every job that has not ended becomes cancelled.
+void glint_jobs_destroy(glint_jobs **jobs);
+
+// Called on every change of any job (state, new pixels), from the scheduler thread; must not block.
+void glint_jobs_on_change(glint_jobs *jobs, void (*changed)(void *user), void *user);
+
+// Takes `job` on success. The scene's current revision is pinned now. key: Idempotency-Key or
+// NULL; the same key with an equal body answers the same id and sets *repeated, with another body
+// it is GLINT_E_RANGE.
+glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job, const char *key,
+                               char id[GLINT_JOB_ID_BYTES], bool *repeated, struct glint_error *err);
+
+// {"id","scene","revision","state","samples","progress","error","seconds","eta_seconds","problem",
+//  "warnings","created","job":{...}, ...} and {"jobs": [...]} in order of submission.
+cJSON *glint_jobs_describe(glint_jobs *jobs, const char *id, struct glint_error *err);
+cJSON *glint_jobs_list(glint_jobs *jobs);
+
+// First call on a live job cancels it and keeps its pixels (*forgotten false); on an ended one it
+// forgets the job (*forgotten true).
+glint_status glint_jobs_delete(glint_jobs *jobs, const char *id, bool *forgotten,
+                               struct glint_error *err);
+
+// PATCH: merge patch of `priority`, `paused`, `stop`; unknown members are faults.
+glint_status glint_jobs_patch(glint_jobs *jobs, const char *id, const char *text, size_t length,
+                              struct glint_error *err);
+
+// The job's render with a reference that keeps it alive until released, for pixels and plans;
+// GLINT_E_BUSY while it is still being prepared.
+struct glint_job_view {
+    glint_render *render;
+    enum glint_job_state state;
+    const struct glint_job *job;
+    const char *revision;
+    uint64_t sequence; // grows with every change of this job
+    void *hold;
+};
+glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_view *out,
+                             struct glint_error *err);
+void glint_jobs_release(glint_jobs *jobs, struct glint_job_view *view);
+
+struct glint_jobs_stats { uint32_t by_state[6]; uint64_t submitted, slices; double worker_busy_seconds; };
+void glint_jobs_stats(glint_jobs *jobs, struct glint_jobs_stats *out);
+
+#endif

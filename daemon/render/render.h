@@ -1,0 +1,98 @@
+// render.h - one job's rendering: plan, program variant, film and the slices that fill it.
+//
+// The scheduler asks for slices and hands them to workers; a worker runs one and returns; whoever
+// wants pixels takes an immutable snapshot. Nothing here knows of HTTP or of other jobs.
+//
+// Threads: create/destroy by whoever prepares the job (it compiles, seconds in the worst case);
+// take/give_back by the scheduler only; run by the worker that holds the slice; state, frame and
+// matte calls by any thread.
+#ifndef GLINT_RENDER_RENDER_H
+#define GLINT_RENDER_RENDER_H
+
+#include "device/device.h"
+#include "protocol/frame.h"
+#include "protocol/job.h"
+#include "scene/resident.h"
+
+#include <cjson/cJSON.h>
+
+typedef struct glint_render glint_render;
+
+// A slice: samples [sample, sample + samples) of the film tiles in a block. About 20 ms.
+struct glint_slice {
+    uint32_t block;            // index of the block in its pass
+    uint32_t x, y, w, h;       // pixels in the display window, clipped to the region
+    uint32_t sample, samples;  // first sample index and their number
+};
+
+// Compiles the job's program variant and allocates its film. Retains `scene`.
+//   GLINT_E_RANGE     the camera is not in the scene, ... (pointers into the job)
+//   GLINT_E_CAPACITY  the film does not fit
+//   GLINT_E_DEVICE    the program does not build; the log is in *err
+glint_status glint_render_create(glint_render **out, struct glint_devices *devices,
+                                 struct glint_resident *scene, const struct glint_job *job,
+                                 struct glint_error *err);
+void glint_render_destroy(glint_render **render);
+
+// The next slice nobody has, or false: all samples taken, or the pass waits for slices out.
+// A job that stops by error takes its decision at fixed sample counts, so it may answer false
+// until the last slice of a pass has been given back.
+bool glint_render_take(glint_render *render, struct glint_slice *out);
+
+// Runs a taken slice on the calling worker's device; pixels become visible when it returns.
+glint_status glint_render_run(glint_render *render, struct glint_worker *worker,
+                              const struct glint_slice *slice, struct glint_error *err);
+
+// Returns a slice that was run (`done`) or was not (it will be given again).
+void glint_render_give_back(glint_render *render, const struct glint_slice *slice, bool done);
+
+// True when every sample that will ever be taken is in the film.
+bool glint_render_complete(const glint_render *render);
+
+struct glint_render_state {
+    uint32_t samples;        // fewest over the frame
+    uint32_t target_samples; // where the job will stop at the latest
+    double progress;         // 0..1
+    double error;            // the job's own estimate, NAN before there are two samples
+    double worker_seconds;   // spent by workers
+    double predicted_samples; // until stop.error holds, NAN when unknown or not asked
+    uint64_t camera_rays, bounce_rays, shadow_rays;
+};
+void glint_render_state(const glint_render *render, struct glint_render_state *out);
+
+// One point of the recorded curve at each power of two (samples) since the start.
+struct glint_convergence_point { uint32_t samples; double seconds, error; uint64_t rays; };
+size_t glint_render_convergence(const glint_render *render, struct glint_convergence_point *out,
+                                size_t capacity);
+
+// Tiles as clients see them: `tiles` rectangles of at most 64x64, each with a version that grows
+// when its pixels change. A reader keeps its own cursor of versions.
+uint32_t glint_render_tiles(const glint_render *render);
+void glint_render_tile_rect(const glint_render *render, uint32_t tile, uint32_t rect[4]);
+uint64_t glint_render_tile_version(const glint_render *render, uint32_t tile);
+
+// The frame, or the tile, as it stands: every pixel consistent, complete with all attributes of
+// CONVENTIONS b. `outputs` selects (a subset of the job's). Tiles: beauty as half RGBA.
+// *samples (may be NULL): fewest samples among the pixels given.
+glint_status glint_render_frame(glint_render *render, uint32_t outputs, struct glint_frame **out,
+                                uint32_t *samples, struct glint_error *err);
+glint_status glint_render_tile(glint_render *render, uint32_t tile, struct glint_frame **out,
+                               uint32_t *samples, uint64_t *version, struct glint_error *err);
+
+// Matte layers: 0 object, 1 material, 2 asset.
+enum glint_matte_layer { GLINT_MATTE_OBJECT, GLINT_MATTE_MATERIAL, GLINT_MATTE_ASSET, GLINT_MATTE_LAYERS };
+struct glint_matte_total { const char *name; uint32_t id; double coverage; }; // pixels covered
+// Every name of the scene with its coverage over the frame; *out malloc'd, names live as long as
+// the render. *lost: pixels of coverage that found no slot.
+glint_status glint_render_mattes(glint_render *render, enum glint_matte_layer layer,
+                                 struct glint_matte_total **out, size_t *count, double *lost,
+                                 struct glint_error *err);
+// Union coverage of the named; an unknown name is GLINT_E_NOT_FOUND at /name. One plane "A".
+glint_status glint_render_matte(glint_render *render, enum glint_matte_layer layer,
+                                const char *const *names, size_t count, struct glint_frame **out,
+                                struct glint_error *err);
+
+// What GET .../plan shows: effects with reason, state, bytes and measured share; a new object.
+cJSON *glint_render_plan(const glint_render *render);
+
+#endif

@@ -1,0 +1,45 @@
+// dials.h - every accuracy dial: its exact setting and the approximations of it that exist.
+//
+// The accuracy programme, GET /v1, the job parser and the plan walk this table; nothing in it is
+// listed a second time. The first setting of a row is the exact one.
+#ifndef GLINT_PROTOCOL_DIALS_H
+#define GLINT_PROTOCOL_DIALS_H
+
+#include <stddef.h>
+
+enum glint_dial {
+    GLINT_DIAL_GI,           // path, none
+    GLINT_DIAL_TRANSPARENCY, // traced
+    GLINT_DIAL_PRIMARY,      // full
+    GLINT_DIAL_THROUGH,      // mattes.through: none
+    GLINT_DIAL_EVICTION,     // mattes.eviction: drop, direct_first
+    GLINT_DIAL_PRECISION,    // float64, float32
+    GLINT_DIAL_TRAVERSAL,    // robust, fast
+    GLINT_DIAL_ROULETTE,     // none, throughput
+    GLINT_DIAL_LIGHTS,       // power, uniform
+    GLINT_DIAL_COUNT
+};
+
+#define GLINT_MAX_SETTINGS 6
+
+struct glint_dial_row {
+    const char *name;    // member name in the job
+    const char *parent;  // "accuracy" or "mattes"
+    const char *setting[GLINT_MAX_SETTINGS + 1]; // NULL-terminated, exact first
+    unsigned char unbiased;  // bit i: setting i has the same expectation as the exact one
+    const char *source;  // where the approximation comes from
+};
+
+struct glint_preset {
+    const char *name;
+    unsigned char setting[GLINT_DIAL_COUNT];
+};
+
+extern const struct glint_dial_row glint_dial_table[GLINT_DIAL_COUNT];
+extern const struct glint_preset glint_preset_table[]; // NULL name ends it; [0] is the default
+extern const size_t glint_preset_count;
+
+// Index of the named setting in its row, or -1.
+int glint_dial_setting(enum glint_dial dial, const char *setting);
+
+#endif

@@ -1,0 +1,75 @@
+// job.h - a render job as data: what POST /v1/jobs says, checked, with defaults filled in.
+//
+// Thread-safety: built by one thread, immutable afterwards.
+#ifndef GLINT_PROTOCOL_JOB_H
+#define GLINT_PROTOCOL_JOB_H
+
+#include "arena.h"
+#include "dials.h"
+#include "scene.h"
+#include "status.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define GLINT_MAX_SIDE 16384u
+#define GLINT_MAX_SAMPLES (1u << 24) // per pixel: matte counters are exact up to here
+
+enum glint_output {
+    GLINT_OUT_BEAUTY = 1u << 0,
+    GLINT_OUT_CRYPTO_OBJECT = 1u << 1,
+    GLINT_OUT_CRYPTO_MATERIAL = 1u << 2,
+    GLINT_OUT_CRYPTO_ASSET = 1u << 3,
+    GLINT_OUT_DEPTH = 1u << 4,
+    GLINT_OUT_NORMAL = 1u << 5,
+    GLINT_OUT_ALBEDO = 1u << 6,
+    GLINT_OUT_SAMPLES = 1u << 7,
+    GLINT_OUT_VARIANCE = 1u << 8,
+};
+#define GLINT_OUT_CRYPTO (GLINT_OUT_CRYPTO_OBJECT | GLINT_OUT_CRYPTO_MATERIAL | GLINT_OUT_CRYPTO_ASSET)
+
+// "beauty" <-> GLINT_OUT_BEAUTY and so on; 0 and NULL for what does not exist.
+uint32_t glint_output_from_name(const char *name);
+const char *glint_output_name(uint32_t bit);
+
+enum glint_filter_kind { GLINT_FILTER_BOX, GLINT_FILTER_BLACKMAN_HARRIS };
+
+struct glint_job_stop {
+    uint32_t samples; // per pixel, 1..GLINT_MAX_SAMPLES; GLINT_MAX_SAMPLES where not asked
+    double seconds;   // of rendering, 0: not asked
+    double error;     // sqrt(mean(v/(m^2+0.01))), 0: not asked
+};
+
+struct glint_job {
+    struct glint_arena arena;
+    char *scene; // name of the scene
+    char *name;  // for people, may be ""
+    char *camera_name;          // NULL: the scene's first, unless has_camera
+    bool has_camera;            // `camera` was given as an object
+    struct glint_camera camera;
+    uint32_t width, height;     // display window, 1..GLINT_MAX_SIDE; default 1280x720
+    uint32_t region[4];         // x y w h inside it; default the whole
+    uint32_t outputs;           // glint_output bits; default beauty and the three crypto types
+    uint8_t dial[GLINT_DIAL_COUNT]; // setting of each dial, an index into its row of the dial table
+    uint32_t matte_slots;       // 4..32
+    uint32_t matte_levels;      // 1..20
+    enum glint_filter_kind filter;
+    float filter_width;         // pixels, 0.5..16; default blackman_harris 1.5... box 1
+    uint32_t max_bounces;       // 0..1024; default 8
+    uint32_t seed;
+    struct glint_job_stop stop; // absent: 256 samples
+    int32_t priority;           // -100..100
+};
+
+// Reads the JSON of a job. Unknown keys, and settings of methods that do not exist, are faults.
+// `camera` and `scene` are not looked up here.
+glint_status glint_job_parse(struct glint_job **out, const char *text, size_t length,
+                             struct glint_error *err);
+
+void glint_job_destroy(struct glint_job **job);
+
+// The job with every default spelled out, as one line of JSON (malloc'd), or NULL without memory.
+// Parsing it gives an equal job.
+char *glint_job_write(const struct glint_job *job);
+
+#endif
