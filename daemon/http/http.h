@@ -1,0 +1,52 @@
+// http.h - the daemon's HTTP interface: PROTOCOL's calls under /v1, streams, health and metrics.
+//
+// The only folder that names MHD_*. Two threads of the HTTP library move bytes and nothing else:
+// what imports, encodes or takes a snapshot runs on a few threads of its own while the connection
+// is suspended, and one watcher wakes streams, notices clients that left and ends those that dawdle.
+//
+// Every error is application/problem+json. A query parameter has no JSON pointer, so its fault
+// carries the pointer "" and a detail that starts with the parameter's name.
+//
+// Threads: create, drain and destroy by main.
+#ifndef GLINT_HTTP_HTTP_H
+#define GLINT_HTTP_HTTP_H
+
+#include "device/device.h"
+#include "jobs/jobs.h"
+#include "scene/store.h"
+
+typedef struct glint_http glint_http;
+
+struct glint_http_limits {
+    size_t job_bytes;     // a job's JSON, 0: 1 MiB
+    size_t scene_bytes;   // a scene's body, 0: 2 GiB
+    size_t spool_bytes;   // all bodies under way together, 0: twice scene_bytes
+    uint32_t connections; // 0: 512; more are answered 503
+    uint32_t streams;     // tiles and events together, 0: 128; more are answered 503
+    double header_seconds; // for a request's header to be complete, 0: 10
+    double idle_seconds;   // without a byte either way, 0: 60
+};
+
+struct glint_http_params {
+    int listen_fd; // listening TCP socket; taken on success
+    glint_jobs *jobs;
+    glint_store *store;
+    glint_devices *devices;
+    const char *version; // of the program, for GET /v1; outlives the server
+    struct glint_http_limits limits;
+};
+
+// Serves from now on. Registers itself with glint_jobs_on_change.
+//   GLINT_E_IO     threads or descriptors are not to be had
+glint_status glint_http_create(glint_http **out, const struct glint_http_params *params,
+                               struct glint_error *err);
+
+// Stops accepting, turns /readyz to 503, ends streams and waiting requests, and gives the requests
+// under way up to `seconds` to finish. Returns true when none is left.
+bool glint_http_drain(glint_http *http, double seconds);
+
+// Stops and frees *http and stores NULL; drains for a moment if nobody did. Jobs, store and devices
+// must still live.
+void glint_http_destroy(glint_http **http);
+
+#endif
