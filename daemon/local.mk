@@ -1,0 +1,20 @@
+# libglintdaemon: all of the daemon but its main function, so that tests can link it.
+
+noinst_LIBRARIES += libglintdaemon.a
+libglintdaemon_a_SOURCES = \
+	daemon/base/clock.h \
+	daemon/base/log.h \
+	daemon/device/device.h \
+	daemon/device/sources.h \
+	daemon/jobs/jobs.h \
+	daemon/render/render.h \
+	daemon/scene/import.h \
+	daemon/scene/resident.h \
+	daemon/scene/store.h
+nodist_libglintdaemon_a_SOURCES = kernels/embedded.c
+
+if HAVE_GLINTD
+bin_PROGRAMS += glintd
+endif
+glintd_SOURCES = daemon/main.c
+glintd_LDADD = $(DAEMON_LIBS)

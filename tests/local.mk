@@ -1,0 +1,44 @@
+# Tests print TAP. A unit test is one line here: its source is <name>.c, it links both libraries
+# and cmocka.
+
+if HAVE_CMOCKA
+UNIT_TESTS =
+check_PROGRAMS += $(UNIT_TESTS)
+endif
+
+# *.py and *.sh; shared Python modules and data of tests go to dist_check_DATA.
+SCRIPT_TESTS = \
+	tests/unit/headers.sh
+
+TESTS += $(UNIT_TESTS) $(SCRIPT_TESTS)
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap
+dist_check_DATA += tests/tap.py
+
+TEST_EXTENSIONS = .py .sh
+TAP_DRIVER = env AM_TAP_AWK='$(AWK)' $(SHELL) $(top_srcdir)/build-aux/tap-driver.sh
+LOG_DRIVER = $(TAP_DRIVER)
+PY_LOG_DRIVER = $(TAP_DRIVER)
+SH_LOG_DRIVER = $(TAP_DRIVER)
+LOG_COMPILER = $(SHELL) $(top_srcdir)/tests/run-tap
+PY_LOG_COMPILER = $(SHELL) $(top_srcdir)/tests/run-tap $(PYTHON)
+SH_LOG_COMPILER = $(SHELL) $(top_srcdir)/tests/run-tap $(SHELL)
+
+AM_TESTS_ENVIRONMENT = \
+	CMOCKA_MESSAGE_OUTPUT=TAP; export CMOCKA_MESSAGE_OUTPUT; \
+	GLINTD='$(abs_top_builddir)/glintd'; export GLINTD; \
+	GLINT='$(abs_top_builddir)/glint'; export GLINT; \
+	: "$${GLINT_SCENES:=$(abs_top_srcdir)/../shared/scenes}"; export GLINT_SCENES; \
+	top_srcdir='$(top_srcdir)'; export top_srcdir; \
+	GLINT_BUILD='$(abs_top_builddir)'; export GLINT_BUILD; \
+	PYTHONPATH='$(abs_top_srcdir)/tests'; export PYTHONPATH; \
+	PYTHONDONTWRITEBYTECODE=1; export PYTHONDONTWRITEBYTECODE; \
+	GLINT_COMPILE='$(CC) -D_GNU_SOURCE $(AM_CPPFLAGS) $(CPPFLAGS) $(AM_CFLAGS) $(CFLAGS)'; \
+	export GLINT_COMPILE;
+
+# make check with a closing line that any continuous integration can read, also on failure.
+ci-check:
+	@rc=0; $(MAKE) $(AM_MAKEFLAGS) check || rc=$$?; \
+	count() { cat $(TEST_LOGS:.log=.trs) 2>/dev/null | grep -c "^:test-result: *\($$1\)"; }; \
+	p=`count 'PASS\|XFAIL'`; f=`count 'FAIL\|XPASS\|ERROR'`; s=`count SKIP`; \
+	echo "$$p passed, $$f failed, $$s skipped"; exit $$rc
+.PHONY: ci-check
