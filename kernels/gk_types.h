@@ -1,0 +1,66 @@
+// gk_types.h - scalars, address spaces and bit casts that mean the same in C11 and OpenCL C 1.2.
+//
+// Every gk_ header is compiled in both dialects; the build defines GK_DEVICE for OpenCL, nothing
+// guesses it. Contraction is off in both (here for OpenCL, -ffp-contract=off for C), so that both
+// compute the same bits.
+#ifndef GK_TYPES_H
+#define GK_TYPES_H
+
+#ifdef GK_DEVICE
+
+#pragma OPENCL FP_CONTRACT OFF
+
+typedef float gk_f32;
+typedef int gk_i32;
+typedef uint gk_u32;
+typedef ulong gk_u64; // not in the hot path: vectorised 64-bit multiplies are slow
+
+#define GK_GLOBAL __global
+#define GK_CONSTANT __constant
+#define GK_LAYOUT(tag, bytes) typedef char gk_layout_of_##tag[sizeof(struct tag) == (bytes) ? 1 : -1]
+
+#else
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+typedef float gk_f32;
+typedef int32_t gk_i32;
+typedef uint32_t gk_u32;
+typedef uint64_t gk_u64;
+
+#define GK_GLOBAL
+#define GK_CONSTANT
+#define GK_LAYOUT(tag, bytes) _Static_assert(sizeof(struct tag) == (bytes), #tag)
+
+#endif
+
+#define GK_INLINE static inline
+
+// `t` where cond holds, else `f`. Both are evaluated: compilers turn it into a blend.
+#define gk_select(f, t, cond) ((cond) ? (t) : (f))
+
+GK_INLINE gk_u32 gk_as_u32(gk_f32 x)
+{
+#ifdef GK_DEVICE
+    return as_uint(x);
+#else
+    gk_u32 bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+#endif
+}
+
+GK_INLINE gk_f32 gk_as_f32(gk_u32 bits)
+{
+#ifdef GK_DEVICE
+    return as_float(bits);
+#else
+    gk_f32 x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+#endif
+}
+
+#endif
