@@ -2,8 +2,16 @@
 
 noinst_LIBRARIES += libglintdaemon.a
 libglintdaemon_a_SOURCES = \
+	daemon/base/clock.c \
 	daemon/base/clock.h \
+	daemon/base/log.c \
 	daemon/base/log.h \
+	daemon/base/metrics.c \
+	daemon/base/metrics.h \
+	daemon/base/queue.c \
+	daemon/base/queue.h \
+	daemon/base/thread.c \
+	daemon/base/thread.h \
 	daemon/device/device.h \
 	daemon/device/sources.h \
 	daemon/jobs/jobs.h \

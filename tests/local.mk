@@ -2,7 +2,10 @@
 # and cmocka.
 
 if HAVE_CMOCKA
-UNIT_TESTS =
+UNIT_TESTS = \
+	tests/unit/test_log \
+	tests/unit/test_metrics \
+	tests/unit/test_queue
 check_PROGRAMS += $(UNIT_TESTS)
 endif
 

@@ -1,0 +1,24 @@
+#include "base/thread.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+glint_status glint_thread_start(pthread_t *out, const char *name, void *(*run)(void *), void *arg,
+                                struct glint_error *err)
+{
+    // A new thread inherits the mask, so it is set around the start: no moment without it.
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int failure = pthread_create(out, NULL, run, arg);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (failure)
+        return glint_fail(err, GLINT_E_CAPACITY, "", "no thread for %s: %s", name,
+                          strerror(failure));
+
+    char text[16];
+    snprintf(text, sizeof text, "%s", name);
+    pthread_setname_np(*out, text);
+    return GLINT_OK;
+}
