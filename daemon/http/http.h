@@ -11,6 +11,7 @@
 #ifndef GLINT_HTTP_HTTP_H
 #define GLINT_HTTP_HTTP_H
 
+#include "base/metrics.h"
 #include "device/device.h"
 #include "jobs/jobs.h"
 #include "scene/store.h"
@@ -32,6 +33,7 @@ struct glint_http_params {
     glint_jobs *jobs;
     glint_store *store;
     glint_devices *devices;
+    glint_metrics *metrics; // what GET /metrics writes; requests are counted into it
     const char *version; // of the program, for GET /v1; outlives the server
     struct glint_http_limits limits;
 };
