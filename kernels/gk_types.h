@@ -15,6 +15,8 @@ typedef int gk_i32;
 typedef uint gk_u32;
 typedef ulong gk_u64; // not in the hot path: vectorised 64-bit multiplies are slow
 
+// Always: a call that is left over keeps the whole work-item loop from being vectorised.
+#define GK_INLINE static inline __attribute__((always_inline))
 #define GK_GLOBAL __global
 #define GK_CONSTANT __constant
 #define GK_LAYOUT(tag, bytes) typedef char gk_layout_of_##tag[sizeof(struct tag) == (bytes) ? 1 : -1]
@@ -30,13 +32,12 @@ typedef int32_t gk_i32;
 typedef uint32_t gk_u32;
 typedef uint64_t gk_u64;
 
+#define GK_INLINE static inline
 #define GK_GLOBAL
 #define GK_CONSTANT
 #define GK_LAYOUT(tag, bytes) _Static_assert(sizeof(struct tag) == (bytes), #tag)
 
 #endif
-
-#define GK_INLINE static inline
 
 // `t` where cond holds, else `f`. Both are evaluated: compilers turn it into a blend.
 #define gk_select(f, t, cond) ((cond) ? (t) : (f))

@@ -1,7 +1,7 @@
 # Kernels are checked by clang and embedded as bytes; nothing reads them from a disk at run time.
 # kernel_headers are compiled by host and device alike, kernel_sources hold the entry points.
 
-kernel_headers = kernels/gk_filter.h kernels/gk_math.h kernels/gk_sampler.h kernels/gk_types.h
+kernel_headers = kernels/gk_filter.h kernels/gk_math.h kernels/gk_matte.h kernels/gk_sampler.h kernels/gk_types.h
 
 kernel_sources =
 
