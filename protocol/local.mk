@@ -2,11 +2,24 @@
 
 noinst_LIBRARIES += libglint.a
 libglint_a_SOURCES = \
+	protocol/arena.c \
 	protocol/arena.h \
 	protocol/cryptomatte.h \
+	protocol/dials.c \
 	protocol/dials.h \
 	protocol/exr.h \
+	protocol/fields.c \
+	protocol/fields.h \
 	protocol/frame.h \
 	protocol/job.h \
+	protocol/json.c \
+	protocol/json.h \
+	protocol/json_check.c \
+	protocol/json_read.c \
 	protocol/scene.h \
-	protocol/status.h
+	protocol/status.c \
+	protocol/status.h \
+	protocol/text.c \
+	protocol/text.h \
+	protocol/utf8.c \
+	protocol/utf8.h

@@ -3,9 +3,14 @@
 
 if HAVE_CMOCKA
 UNIT_TESTS = \
+	tests/unit/test_arena \
+	tests/unit/test_device \
+	tests/unit/test_dials \
+	tests/unit/test_json \
 	tests/unit/test_log \
 	tests/unit/test_metrics \
-	tests/unit/test_queue
+	tests/unit/test_queue \
+	tests/unit/test_status
 check_PROGRAMS += $(UNIT_TESTS)
 endif
 
@@ -29,6 +34,7 @@ SH_LOG_COMPILER = $(SHELL) $(top_srcdir)/tests/run-tap $(SHELL)
 AM_TESTS_ENVIRONMENT = \
 	CMOCKA_MESSAGE_OUTPUT=TAP; export CMOCKA_MESSAGE_OUTPUT; \
 	GLINTD='$(abs_top_builddir)/glintd'; export GLINTD; \
+	XDG_CACHE_HOME='$(abs_top_builddir)/tests/cache'; export XDG_CACHE_HOME; \
 	GLINT='$(abs_top_builddir)/glint'; export GLINT; \
 	: "$${GLINT_SCENES:=$(abs_top_srcdir)/../shared/scenes}"; export GLINT_SCENES; \
 	top_srcdir='$(top_srcdir)'; export top_srcdir; \
@@ -45,3 +51,7 @@ ci-check:
 	p=`count 'PASS\|XFAIL'`; f=`count 'FAIL\|XPASS\|ERROR'`; s=`count SKIP`; \
 	echo "$$p passed, $$f failed, $$s skipped"; exit $$rc
 .PHONY: ci-check
+
+# Compiled kernels, kept from run to run.
+clean-local:
+	rm -rf tests/cache

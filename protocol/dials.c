@@ -1,0 +1,39 @@
+// dials.c - the table of accuracy dials and the presets over it.
+#include "protocol/dials.h"
+
+#include <string.h>
+
+const struct glint_dial_row glint_dial_table[GLINT_DIAL_COUNT] = {
+    [GLINT_DIAL_GI] = {"gi", "accuracy", {"path", "none"}, 0x1,
+                       "none: direct light only, every path ends at its first surface"},
+    [GLINT_DIAL_TRANSPARENCY] = {"transparency", "accuracy", {"traced"}, 0x1, ""},
+    [GLINT_DIAL_PRIMARY] = {"primary", "accuracy", {"full"}, 0x1, ""},
+    [GLINT_DIAL_THROUGH] = {"through", "mattes", {"none"}, 0x1, ""},
+    [GLINT_DIAL_EVICTION] = {"eviction", "mattes", {"drop", "direct_first"}, 0x1,
+                             "direct_first: the k-buffer's eviction, direct coverage kept first"},
+    [GLINT_DIAL_PRECISION] = {"precision", "accuracy", {"float64", "float32"}, 0x1,
+                              "float32: compensated sums (Neumaier 1974)"},
+    [GLINT_DIAL_TRAVERSAL] = {"traversal", "accuracy", {"robust", "fast"}, 0x1,
+                              "fast: rays may slip between triangles that share an edge"},
+    [GLINT_DIAL_ROULETTE] = {"roulette", "accuracy", {"none", "throughput"}, 0x3,
+                             "throughput: Arvo and Kirk 1990, survival by path throughput"},
+    [GLINT_DIAL_LIGHTS] = {"lights", "accuracy", {"power", "uniform"}, 0x3,
+                           "uniform: every emitter with equal probability"},
+};
+
+const struct glint_preset glint_preset_table[] = {
+    {"production", {[GLINT_DIAL_PRECISION] = 1, [GLINT_DIAL_TRAVERSAL] = 1, [GLINT_DIAL_ROULETTE] = 1}},
+    {"reference", {0}},
+    {NULL, {0}},
+};
+
+const size_t glint_preset_count = sizeof glint_preset_table / sizeof *glint_preset_table - 1;
+
+int glint_dial_setting(enum glint_dial dial, const char *setting)
+{
+    const char *const *name = glint_dial_table[dial].setting;
+    for (int i = 0; name[i]; i++)
+        if (strcmp(name[i], setting) == 0)
+            return i;
+    return -1;
+}
