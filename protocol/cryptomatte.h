@@ -14,10 +14,23 @@ uint32_t glint_murmur3_32(const void *bytes, size_t length, uint32_t seed);
 // First 7 lower-case hex digits of the type name's stored ID, and a terminator.
 void glint_cryptomatte_key(const char *type, char key[8]);
 
+// Whether the types can stand in one file: each a letter, then letters, digits and underscores, at
+// most 27 bytes, and none equal to or a prefix of another. GLINT_E_RANGE: a fault for each breach.
+glint_status glint_cryptomatte_type_check(const char *const *types, size_t count,
+                                          struct glint_error *err);
+
+// The cryptomatte/KEY/name attribute of the type whose ranks a channel holds, or NULL.
+const struct glint_attribute *glint_cryptomatte_type_of(const struct glint_frame *frame,
+                                                        const char *channel);
+
+// As type_check, for the types that the frame's header names.
+glint_status glint_cryptomatte_check(const struct glint_frame *frame, struct glint_error *err);
+
 // {"name":"hex8",...}, keys sorted bytewise and escaped, no duplicates; malloc'd, NULL without memory.
 char *glint_cryptomatte_manifest(const char *const *names, size_t count);
 
-// Pairs of names that differ and share an ID; *out malloc'd, count pairs, may be 0.
+// Names that differ and share an ID, each with its neighbour in bytewise order. *out is malloc'd
+// on success (also for none), its names are the caller's.
 struct glint_cryptomatte_clash { const char *a, *b; };
 glint_status glint_cryptomatte_clashes(const char *const *names, size_t count,
                                        struct glint_cryptomatte_clash **out, size_t *clashes);

@@ -4,13 +4,20 @@ noinst_LIBRARIES += libglint.a
 libglint_a_SOURCES = \
 	protocol/arena.c \
 	protocol/arena.h \
+	protocol/cryptomatte.c \
 	protocol/cryptomatte.h \
 	protocol/dials.c \
 	protocol/dials.h \
 	protocol/exr.h \
+	protocol/exr_read.c \
+	protocol/exr_stream.c \
+	protocol/exr_stream.h \
+	protocol/exr_write.c \
 	protocol/fields.c \
 	protocol/fields.h \
+	protocol/frame.c \
 	protocol/frame.h \
+	protocol/half.h \
 	protocol/job.h \
 	protocol/json.c \
 	protocol/json.h \
