@@ -12,7 +12,15 @@ libglintdaemon_a_SOURCES = \
 	daemon/base/queue.h \
 	daemon/base/thread.c \
 	daemon/base/thread.h \
+	daemon/device/buffer.c \
+	daemon/device/device.c \
 	daemon/device/device.h \
+	daemon/device/internal.h \
+	daemon/device/launch.c \
+	daemon/device/platform.c \
+	daemon/device/program.c \
+	daemon/device/program.h \
+	daemon/device/source.c \
 	daemon/device/sources.h \
 	daemon/jobs/jobs.h \
 	daemon/render/render.h \

@@ -2,7 +2,7 @@
 // The only folder that names cl_*; others pass these handles about.
 //
 // One PoCL `basic` device per worker, all in one context: a kernel runs in the thread that
-// enqueues it, and buffers over host memory are truly shared, so Embree reads them in place.
+// enqueues it, and buffers are host memory that kernels take as it is, so Embree reads them in place.
 //
 // Threads: create/destroy by main; glint_program_* by whoever prepares a job; everything that
 // takes a worker by that worker only.
@@ -52,7 +52,7 @@ size_t glint_buffer_bytes(const glint_buffer *buffer);
 
 // One argument of a launch.
 struct glint_arg {
-    glint_buffer *buffer; // or NULL: the value
+    glint_buffer *buffer; // or NULL: the value; where that is NULL too, a null pointer
     const void *value;
     size_t size;
 };

@@ -1,0 +1,64 @@
+// internal.h - what the files of device/ know of each other.
+#ifndef GLINT_DEVICE_INTERNAL_H
+#define GLINT_DEVICE_INTERNAL_H
+
+#include "device/device.h"
+
+#include <CL/cl.h>
+#include <pthread.h>
+#include <stdatomic.h>
+
+struct glint_worker {
+    glint_devices *devices; // borrowed
+    uint32_t index;
+    cl_command_queue queue; // in-order, on the device of this index
+};
+
+struct glint_devices {
+    cl_context context;
+    cl_device_id *device; // [workers]
+    glint_worker *worker; // [workers]
+    uint32_t workers;
+    char *name, *version;
+    char *source;           // the embedded kernels, expanded
+    pthread_mutex_t build;  // guards `program`, held while one is built
+    glint_program *program; // most recently used first
+};
+
+// Kernel objects hold their arguments, so each worker has its own, made at its first launch.
+struct kernel {
+    char name[64];
+    cl_kernel object;
+};
+
+#define GLINT_MAX_KERNELS 64
+
+struct kernels {
+    size_t count;
+    struct kernel kernel[GLINT_MAX_KERNELS];
+};
+
+struct glint_program {
+    glint_program *next;
+    atomic_uint references; // one is the cache's
+    char key[65];
+    cl_program object;
+    uint32_t workers;
+    struct kernels *kernels; // [workers]: each owned by its worker
+};
+
+struct glint_buffer {
+    void *host; // from mmap
+    size_t bytes, mapped;
+};
+
+// Fills device[0..count) with PoCL's `basic` devices; see platform.c.
+glint_status glint_platform_open(cl_device_id *device, uint32_t count, const char *cache_dir,
+                                 struct glint_error *err);
+
+// Appends GLINT_E_DEVICE with the name of the call and of the code.
+glint_status glint_cl_fail(struct glint_error *err, const char *call, cl_int code);
+
+void glint_programs_destroy(glint_devices *devices);
+
+#endif

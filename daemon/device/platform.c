@@ -1,0 +1,141 @@
+// platform.c - finds PoCL's devices and makes its compiler vectorise across work-items.
+#include "base/log.h"
+#include "device/internal.h"
+
+#include <dlfcn.h>
+#include <link.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_PLATFORMS 16
+#define POCL_NAME "Portable Computing Language"
+
+// PoCL reads its device list once in a process; a later, larger set of workers has to find its
+// devices there. An unused device costs nothing but a few kilobytes.
+#define FEWEST_DEVICES 16u
+
+glint_status glint_cl_fail(struct glint_error *err, const char *call, cl_int code)
+{
+    if (code == CL_OUT_OF_HOST_MEMORY || code == CL_MEM_OBJECT_ALLOCATION_FAILURE)
+        return glint_fail(err, GLINT_E_NOMEM, "", "%s found no memory (%d)", call, code);
+    return glint_fail(err, GLINT_E_DEVICE, "", "%s answered %d", call, code);
+}
+
+static void name_devices(uint32_t count)
+{
+    if (count < FEWEST_DEVICES)
+        count = FEWEST_DEVICES;
+    char list[256 * sizeof "basic" + 1] = "basic";
+    for (uint32_t i = 1; i < count; i++)
+        strcat(list, " basic");
+    setenv("POCL_DEVICES", list, 0);
+}
+
+static int is_llvm(struct dl_phdr_info *info, size_t size, void *path)
+{
+    (void)size;
+    const char *base = strrchr(info->dlpi_name, '/');
+    if (strncmp(base ? base + 1 : info->dlpi_name, "libLLVM", 7))
+        return 0;
+    *(const char **)path = info->dlpi_name;
+    return 1;
+}
+
+// LLVM's superword pass runs before the vectoriser of the work-item loop and leaves it code that
+// it gives up on (measured: the rest of a path costs 3 times as much). The options of a loaded LLVM
+// can be set once in a process, and a second attempt would end it.
+static void switch_superwords_off(bool *off)
+{
+    const char *path = NULL;
+    dl_iterate_phdr(is_llvm, &path);
+    void *llvm = path ? dlopen(path, RTLD_NOW | RTLD_NOLOAD) : NULL;
+    void (*parse)(int, const char *const *, const char *) = NULL;
+    if (llvm)
+        *(void **)&parse = dlsym(llvm, "LLVMParseCommandLineOptions");
+    if (!parse) {
+        glint_log(GLINT_LOG_WARNING, "cl", NULL, NULL,
+                  "no libLLVM to switch superword vectorisation off in: kernels will be slow");
+        return;
+    }
+    parse(2, (const char *const[]){"glintd", "-vectorize-slp=false"}, "");
+    glint_log(GLINT_LOG_DEBUG, "cl", NULL, NULL, "superword vectorisation is off in %s", path);
+    *off = true;
+}
+
+// PoCL's cache key does not see LLVM's options, so each setting gets a folder of its own.
+static void name_cache(const char *cache_dir, bool superwords_off)
+{
+    char *path = NULL;
+    const char *leaf = superwords_off ? "pocl-noslp" : "pocl";
+    const char *xdg = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    int n;
+    if (cache_dir)
+        n = asprintf(&path, "%s/%s", cache_dir, leaf);
+    else if (getenv("POCL_CACHE_DIR"))
+        return;
+    else if (xdg && *xdg)
+        n = asprintf(&path, "%s/glint/%s", xdg, leaf);
+    else
+        n = asprintf(&path, "%s/.cache/glint/%s", home && *home ? home : "/tmp", leaf);
+    if (n >= 0)
+        setenv("POCL_CACHE_DIR", path, 1);
+    free(n >= 0 ? path : NULL);
+}
+
+static bool is_pocl(cl_platform_id platform)
+{
+    char name[128] = "";
+    return !clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name, name, NULL) &&
+           !strcmp(name, POCL_NAME);
+}
+
+static glint_status find_platform(cl_platform_id *out, struct glint_error *err)
+{
+    cl_platform_id platform[MAX_PLATFORMS];
+    cl_uint count = 0;
+    cl_int code = clGetPlatformIDs(MAX_PLATFORMS, platform, &count);
+    for (cl_uint i = 0; !code && i < count && i < MAX_PLATFORMS; i++)
+        if (is_pocl(platform[i])) {
+            *out = platform[i];
+            return GLINT_OK;
+        }
+    return glint_fail(err, GLINT_E_DEVICE, "", "none of %u OpenCL platforms is PoCL (%d)", count,
+                      code);
+}
+
+// PoCL 3.1 declares fine-grain buffers only, yet its CPU devices take any pointer of the process.
+static bool shares_memory(cl_device_id device)
+{
+    cl_device_svm_capabilities how = 0;
+    return !clGetDeviceInfo(device, CL_DEVICE_SVM_CAPABILITIES, sizeof how, &how, NULL) &&
+           (how & CL_DEVICE_SVM_FINE_GRAIN_BUFFER);
+}
+
+glint_status glint_platform_open(cl_device_id *device, uint32_t count, const char *cache_dir,
+                                 struct glint_error *err)
+{
+    static bool opened, superwords_off;
+    cl_platform_id platform;
+    if (!opened)
+        name_devices(count);
+    glint_status st = find_platform(&platform, err);
+    if (st)
+        return st;
+    if (!opened) { // the platform has loaded LLVM, and PoCL has not yet looked for its cache
+        switch_superwords_off(&superwords_off);
+        name_cache(cache_dir, superwords_off);
+        opened = true;
+    }
+    cl_uint found = 0;
+    cl_int code = clGetDeviceIDs(platform, CL_DEVICE_TYPE_CPU, count, device, &found);
+    if (code)
+        return glint_cl_fail(err, "clGetDeviceIDs", code);
+    if (found < count)
+        return glint_fail(err, GLINT_E_DEVICE, "",
+                          "PoCL offers %u devices for %u workers (POCL_DEVICES is \"%s\")", found,
+                          count, getenv("POCL_DEVICES"));
+    if (!shares_memory(device[0]))
+        return glint_fail(err, GLINT_E_DEVICE, "", "the device does not share the host's memory");
+    return GLINT_OK;
+}
