@@ -23,6 +23,10 @@ libglint_a_SOURCES = \
 	protocol/json.h \
 	protocol/json_check.c \
 	protocol/json_read.c \
+	protocol/multipart.c \
+	protocol/multipart.h \
+	protocol/png.c \
+	protocol/png.h \
 	protocol/scene.h \
 	protocol/status.c \
 	protocol/status.h \
