@@ -20,7 +20,7 @@ SCRIPT_TESTS = \
 
 TESTS += $(UNIT_TESTS) $(SCRIPT_TESTS)
 dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap
-dist_check_DATA += tests/tap.py
+dist_check_DATA += tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/tap.py
 
 TEST_EXTENSIONS = .py .sh
 TAP_DRIVER = env AM_TAP_AWK='$(AWK)' $(SHELL) $(top_srcdir)/build-aux/tap-driver.sh
@@ -41,6 +41,10 @@ AM_TESTS_ENVIRONMENT = \
 	GLINT_BUILD='$(abs_top_builddir)'; export GLINT_BUILD; \
 	PYTHONPATH='$(abs_top_srcdir)/tests'; export PYTHONPATH; \
 	PYTHONDONTWRITEBYTECODE=1; export PYTHONDONTWRITEBYTECODE; \
+	supp='$(abs_top_srcdir)/tests/sanitizers'; \
+	LSAN_OPTIONS="suppressions=$$supp/lsan.supp:print_suppressions=0"; export LSAN_OPTIONS; \
+	TSAN_OPTIONS="suppressions=$$supp/tsan.supp"; export TSAN_OPTIONS; \
+	UBSAN_OPTIONS=print_stacktrace=1; export UBSAN_OPTIONS; \
 	GLINT_COMPILE='$(CC) -D_GNU_SOURCE $(AM_CPPFLAGS) $(CPPFLAGS) $(AM_CFLAGS) $(CFLAGS)'; \
 	export GLINT_COMPILE;
 

@@ -116,7 +116,7 @@ glint_status glint_platform_open(cl_device_id *device, uint32_t count, const cha
                                  struct glint_error *err)
 {
     static bool opened, superwords_off;
-    cl_platform_id platform;
+    cl_platform_id platform = NULL;
     if (!opened)
         name_devices(count);
     glint_status st = find_platform(&platform, err);
