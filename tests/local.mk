@@ -3,6 +3,10 @@
 
 if HAVE_CMOCKA
 UNIT_TESTS = \
+	tests/kernel/test_filter \
+	tests/kernel/test_math \
+	tests/kernel/test_matte \
+	tests/kernel/test_sampler \
 	tests/unit/test_arena \
 	tests/unit/test_device \
 	tests/unit/test_dials \

@@ -1,0 +1,253 @@
+// The slot table of one pixel: nothing is lost uncounted, no key is held twice.
+#include "kernels/gk_matte.h"
+#include "tests/kernel/check.h"
+
+enum { SLOTS = 12, MAX_SLOTS = 64 };
+
+static uint64_t kept(const gk_u64 *table, gk_u32 slots)
+{
+    uint64_t sum = 0;
+    for (gk_u32 i = 0; i < slots; i++)
+        sum += gk_matte_amount(table[i]);
+    return sum;
+}
+
+static uint64_t amount_of(const gk_u64 *table, gk_u32 slots, gk_u32 key)
+{
+    uint64_t sum = 0;
+    for (gk_u32 i = 0; i < slots; i++)
+        if (gk_matte_key(table[i]) == key)
+            sum += gk_matte_amount(table[i]);
+    return sum;
+}
+
+static void assert_distinct(const gk_u64 *table, gk_u32 slots)
+{
+    for (gk_u32 i = 0; i < slots; i++)
+        for (gk_u32 j = 0; j < i; j++)
+            assert_true(!gk_matte_key(table[i]) || gk_matte_key(table[i]) != gk_matte_key(table[j]));
+}
+
+static void packing_keeps_every_field(void **state)
+{
+    (void)state;
+    const gk_u64 full = gk_matte_pack(GK_MATTE_MAX_KEY, 1, GK_MATTE_MAX_AMOUNT);
+    assert_true(full == UINT64_MAX);
+    assert_int_equal(gk_matte_key(full), GK_MATTE_MAX_KEY);
+    assert_true(gk_matte_amount(full) == GK_MATTE_MAX_AMOUNT && gk_matte_direct(full) == 1);
+    const gk_u64 slot = gk_matte_pack(5, 0, 7);
+    assert_int_equal(gk_matte_key(slot), 5);
+    assert_true(gk_matte_amount(slot) == 7 && gk_matte_direct(slot) == 0);
+}
+
+static void deposits_of_one_key_add_up(void **state)
+{
+    (void)state;
+    gk_u64 table[SLOTS] = {0};
+    for (gk_u32 i = 1; i <= 1000; i++)
+        assert_true(gk_matte_deposit(table, SLOTS, 42, 1, i, GK_MATTE_DROP) == 0);
+    assert_true(amount_of(table, SLOTS, 42) == 1000 * 1001 / 2);
+    assert_true(kept(table, SLOTS) == 1000 * 1001 / 2);
+}
+
+static void nothing_deposited_takes_no_slot(void **state)
+{
+    (void)state;
+    gk_u64 table[SLOTS] = {0};
+    assert_true(gk_matte_deposit(table, SLOTS, 42, 1, 0, GK_MATTE_DROP) == 0);
+    for (int i = 0; i < SLOTS; i++)
+        assert_true(table[i] == 0);
+}
+
+// As many keys as slots are all kept, in any order and for every table size.
+static void a_table_holds_as_many_keys_as_it_has_slots(void **state)
+{
+    (void)state;
+    for (gk_u32 slots = 1; slots <= MAX_SLOTS; slots++) {
+        gk_u64 table[MAX_SLOTS] = {0};
+        for (gk_u32 turn = 0; turn < 3; turn++)
+            for (gk_u32 k = 1; k <= slots; k++)
+                assert_true(gk_matte_deposit(table, slots, k * 7919, 1, k, GK_MATTE_DROP) == 0);
+        for (gk_u32 k = 1; k <= slots; k++)
+            assert_true(amount_of(table, slots, k * 7919) == 3 * k);
+        assert_distinct(table, slots);
+    }
+}
+
+static void run_crowd(gk_u32 policy, int some_indirect)
+{
+    gk_u64 table[SLOTS] = {0};
+    uint64_t seed = 7, total = 0, lost = 0;
+    for (int i = 0; i < 100000; i++) {
+        const gk_u32 key = 1 + (gk_u32)(check_random(&seed) >> 33) % 10000;
+        const gk_u32 direct = some_indirect ? key & 1 : 1;
+        const gk_u64 amount = (check_random(&seed) >> 33) % (GK_MATTE_ONE + 1);
+        total += amount;
+        lost += gk_matte_deposit(table, SLOTS, key, direct, amount, policy);
+    }
+    assert_true(kept(table, SLOTS) + lost == total);
+    assert_true(lost > 0);
+    assert_distinct(table, SLOTS);
+}
+
+static void kept_and_lost_make_the_total_with_10000_keys_on_a_pixel(void **state)
+{
+    (void)state;
+    run_crowd(GK_MATTE_DROP, 0);
+    run_crowd(GK_MATTE_DROP, 1);
+    run_crowd(GK_MATTE_DIRECT_FIRST, 0);
+    run_crowd(GK_MATTE_DIRECT_FIRST, 1);
+}
+
+// Sums are integers: what a table holds does not depend on the order while nothing is lost.
+static void order_does_not_matter_while_keys_fit(void **state)
+{
+    (void)state;
+    uint64_t seed = 3;
+    for (int round = 0; round < 200; round++) {
+        gk_u64 forward[SLOTS] = {0}, backward[SLOTS] = {0};
+        gk_u32 key[500];
+        for (int i = 0; i < 500; i++)
+            key[i] = 1 + (gk_u32)(check_random(&seed) >> 40) % SLOTS;
+        for (int i = 0; i < 500; i++) {
+            gk_matte_deposit(forward, SLOTS, key[i], 1, (gk_u64)key[i] + 3, GK_MATTE_DROP);
+            gk_matte_deposit(backward, SLOTS, key[499 - i], 1, (gk_u64)key[499 - i] + 3,
+                             GK_MATTE_DROP);
+        }
+        for (gk_u32 k = 1; k <= SLOTS; k++)
+            assert_true(amount_of(forward, SLOTS, k) == amount_of(backward, SLOTS, k));
+    }
+}
+
+static void fill(gk_u64 *table, gk_u32 first_key, gk_u32 count, gk_u32 direct)
+{
+    for (gk_u32 i = 0; i < count; i++)
+        gk_matte_deposit(table, SLOTS, first_key + i, direct, 100 + i, GK_MATTE_DROP);
+}
+
+static void a_direct_newcomer_takes_the_smallest_indirect_slot(void **state)
+{
+    (void)state;
+    gk_u64 table[SLOTS] = {0};
+    fill(table, 1, SLOTS, 0); // amounts 100..111
+    assert_true(gk_matte_deposit(table, SLOTS, 500, 1, 9, GK_MATTE_DIRECT_FIRST) == 100);
+    assert_true(amount_of(table, SLOTS, 500) == 9 && amount_of(table, SLOTS, 1) == 0);
+    assert_true(amount_of(table, SLOTS, 2) == 101);
+}
+
+static void a_direct_key_is_never_evicted(void **state)
+{
+    (void)state;
+    gk_u64 table[SLOTS] = {0};
+    fill(table, 1, SLOTS, 1);
+    assert_true(gk_matte_deposit(table, SLOTS, 500, 0, 9999, GK_MATTE_DIRECT_FIRST) == 9999);
+    assert_true(gk_matte_deposit(table, SLOTS, 501, 1, 9999, GK_MATTE_DIRECT_FIRST) == 9999);
+    for (gk_u32 i = 0; i < SLOTS; i++)
+        assert_true(amount_of(table, SLOTS, 1 + i) == 100 + i);
+}
+
+// A key once seen directly stays direct, whatever reaches it later.
+static void a_key_becomes_direct_and_stays_so(void **state)
+{
+    (void)state;
+    gk_u64 table[SLOTS] = {0};
+    fill(table, 1, SLOTS, 0);
+    gk_matte_deposit(table, SLOTS, 1, 1, 1, GK_MATTE_DIRECT_FIRST);
+    gk_matte_deposit(table, SLOTS, 1, 0, 1, GK_MATTE_DIRECT_FIRST);
+    assert_true(gk_matte_deposit(table, SLOTS, 500, 1, 9, GK_MATTE_DIRECT_FIRST) == 101); // key 2's
+    assert_true(amount_of(table, SLOTS, 1) == 102);
+}
+
+static void no_indirect_key_outlives_a_dropped_direct_one(void **state)
+{
+    (void)state;
+    uint64_t seed = 11;
+    for (int round = 0; round < 2000; round++) {
+        gk_u64 table[SLOTS] = {0};
+        int dropped = 0;
+        for (int i = 0; i < 60; i++) {
+            const gk_u32 key = 1 + (gk_u32)(check_random(&seed) >> 40) % 40;
+            const gk_u32 direct = (gk_u32)(check_random(&seed) >> 63);
+            const uint64_t before = kept(table, SLOTS);
+            gk_matte_deposit(table, SLOTS, key, direct, 5, GK_MATTE_DIRECT_FIRST);
+            dropped |= direct && kept(table, SLOTS) == before && !amount_of(table, SLOTS, key);
+            for (int k = 0; dropped && k < SLOTS; k++)
+                assert_true(gk_matte_direct(table[k]));
+        }
+    }
+}
+
+static void dropping_never_evicts(void **state)
+{
+    (void)state;
+    gk_u64 table[SLOTS] = {0};
+    fill(table, 1, SLOTS, 0);
+    assert_true(gk_matte_deposit(table, SLOTS, 500, 1, 9, GK_MATTE_DROP) == 9);
+    assert_true(gk_matte_deposit(table, SLOTS, 3, 1, 9, GK_MATTE_DROP) == 0);
+}
+
+static void a_full_counter_saturates_and_counts_the_rest(void **state)
+{
+    (void)state;
+    gk_u64 table[SLOTS] = {0};
+    const gk_u64 nearly = GK_MATTE_MAX_AMOUNT - 10;
+    assert_true(gk_matte_deposit(table, SLOTS, 1, 1, nearly, GK_MATTE_DROP) == 0);
+    assert_true(gk_matte_deposit(table, SLOTS, 1, 1, 10, GK_MATTE_DROP) == 0);
+    assert_true(gk_matte_deposit(table, SLOTS, 1, 1, 10, GK_MATTE_DROP) == 10);
+    assert_true(gk_matte_deposit(table, SLOTS, 2, 1, GK_MATTE_MAX_AMOUNT + 4, GK_MATTE_DROP) == 4);
+    assert_true(kept(table, SLOTS) == 2 * GK_MATTE_MAX_AMOUNT);
+    assert_int_equal(gk_matte_key(table[gk_matte_start(1, SLOTS)]), 1); // fields did not overflow
+}
+
+// Start slots of the first 12 000 keys: chi-squared with 11 degrees.
+static void start_slots_are_spread(void **state)
+{
+    (void)state;
+    uint32_t count[SLOTS] = {0};
+    double probability[SLOTS];
+    for (gk_u32 key = 1; key <= 12000; key++) {
+        const gk_u32 at = gk_matte_start(key, SLOTS);
+        assert_true(at < SLOTS);
+        count[at]++;
+    }
+    for (int i = 0; i < SLOTS; i++)
+        probability[i] = 1.0 / SLOTS;
+    assert_true(check_chi2(count, probability, SLOTS, 12000) < CHECK_Z_ONE_SIDED);
+    for (gk_u32 slots = 1; slots <= MAX_SLOTS; slots++)
+        assert_true(gk_matte_start(GK_MATTE_MAX_KEY, slots) < slots);
+}
+
+static void weights_become_units(void **state)
+{
+    (void)state;
+    assert_int_equal(gk_matte_units(1.0f), GK_MATTE_ONE);
+    assert_int_equal(gk_matte_units(0.25f), GK_MATTE_ONE / 4);
+    assert_int_equal(gk_matte_units(0x1p-16f), 1);
+    assert_int_equal(gk_matte_units(0.4f * 0x1p-16f), 0);
+    assert_int_equal(gk_matte_units(7.0f), GK_MATTE_ONE);
+    assert_int_equal(gk_matte_units(INFINITY), GK_MATTE_ONE);
+    assert_int_equal(gk_matte_units(-1.0f), 0);
+    assert_int_equal(gk_matte_units(-0.0f), 0);
+    assert_int_equal(gk_matte_units(NAN), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(packing_keeps_every_field),
+        cmocka_unit_test(deposits_of_one_key_add_up),
+        cmocka_unit_test(nothing_deposited_takes_no_slot),
+        cmocka_unit_test(a_table_holds_as_many_keys_as_it_has_slots),
+        cmocka_unit_test(kept_and_lost_make_the_total_with_10000_keys_on_a_pixel),
+        cmocka_unit_test(order_does_not_matter_while_keys_fit),
+        cmocka_unit_test(a_direct_newcomer_takes_the_smallest_indirect_slot),
+        cmocka_unit_test(a_direct_key_is_never_evicted),
+        cmocka_unit_test(a_key_becomes_direct_and_stays_so),
+        cmocka_unit_test(no_indirect_key_outlives_a_dropped_direct_one),
+        cmocka_unit_test(dropping_never_evicts),
+        cmocka_unit_test(a_full_counter_saturates_and_counts_the_rest),
+        cmocka_unit_test(start_slots_are_spread),
+        cmocka_unit_test(weights_become_units),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
