@@ -1,7 +1,34 @@
 # The clients; they link the protocol library and never the daemon's.
 
-if HAVE_GLINT
+CLI_LIBS = libglintcli.a $(PROTOCOL_LIBS) $(CURL_LIBS)
+
+noinst_LIBRARIES += libglintcli.a
+libglintcli_a_SOURCES = \
+	clients/cli/client.c clients/cli/client.h \
+	clients/cli/cmd_get.c \
+	clients/cli/cmd_jobs.c \
+	clients/cli/cmd_mattes.c \
+	clients/cli/cmd_plan.c \
+	clients/cli/cmd_render.c \
+	clients/cli/cmd_scenes.c \
+	clients/cli/command.h \
+	clients/cli/download.c clients/cli/download.h \
+	clients/cli/follow.c clients/cli/follow.h \
+	clients/cli/interrupt.c clients/cli/interrupt.h \
+	clients/cli/options.c clients/cli/options.h \
+	clients/cli/order.c clients/cli/order.h \
+	clients/cli/output.c clients/cli/output.h \
+	clients/cli/pack_gltf.c clients/cli/pack_gltf.h \
+	clients/cli/problem.c clients/cli/problem.h \
+	clients/cli/progress.c clients/cli/progress.h \
+	clients/cli/session.c clients/cli/session.h \
+	clients/cli/spawn.c clients/cli/spawn.h \
+	clients/cli/sse.c clients/cli/sse.h \
+	clients/cli/table.c clients/cli/table.h \
+	clients/cli/upload.c clients/cli/upload.h \
+	clients/cli/uri.c clients/cli/uri.h
+libglintcli_a_CPPFLAGS = $(AM_CPPFLAGS) -DGLINT_LIBEXECDIR='"$(pkglibexecdir)"'
+
 bin_PROGRAMS += glint
-endif
 glint_SOURCES = clients/cli/main.c
-glint_LDADD = $(PROTOCOL_LIBS) $(CURL_LIBS)
+glint_LDADD = $(CLI_LIBS)

@@ -3,6 +3,8 @@
 
 if HAVE_CMOCKA
 UNIT_TESTS = \
+	tests/clients/test_sse \
+	tests/clients/test_uri \
 	tests/kernel/test_filter \
 	tests/kernel/test_math \
 	tests/kernel/test_matte \
@@ -17,14 +19,20 @@ UNIT_TESTS = \
 	tests/unit/test_status
 check_PROGRAMS += $(UNIT_TESTS)
 endif
+tests_clients_test_sse_LDADD = libglintcli.a $(LDADD)
+tests_clients_test_uri_LDADD = libglintcli.a $(LDADD)
 
 # *.py and *.sh; shared Python modules and data of tests go to dist_check_DATA.
 SCRIPT_TESTS = \
+	tests/clients/cli_pack.py \
+	tests/clients/cli_render.py \
+	tests/clients/cli_usage.py \
 	tests/unit/headers.sh
 
 TESTS += $(UNIT_TESTS) $(SCRIPT_TESTS)
 dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap
-dist_check_DATA += tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/tap.py
+dist_check_DATA += tests/clients/cli.py tests/clients/fake_daemon.py \
+	tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/tap.py
 
 TEST_EXTENSIONS = .py .sh
 TAP_DRIVER = env AM_TAP_AWK='$(AWK)' $(SHELL) $(top_srcdir)/build-aux/tap-driver.sh

@@ -1,0 +1,323 @@
+#include "client.h"
+#include "interrupt.h"
+#include "problem.h"
+
+#include <curl/curl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define STREAM_SILENCE_S 60L
+
+struct glint_client {
+    CURLM *multi;
+    CURL *easy;
+    char *url;
+};
+
+// One request on its way.
+struct transfer {
+    const struct glint_request *request;
+    CURL *easy;
+    struct glint_answer answer;
+    size_t capacity;
+    uint64_t sent;
+    bool ended;      // by `receive`
+    bool too_large;  // the answer does not fit
+    bool file_short; // the body's file ended early
+};
+
+glint_status glint_client_create(glint_client **out, const char *url, struct glint_error *err)
+{
+    *out = NULL;
+    size_t length = strlen(url);
+    while (length && url[length - 1] == '/')
+        length--;
+    const char *scheme = strstr(url, "://") ? "" : "http://";
+    glint_client *c = calloc(1, sizeof *c);
+    if (!c || asprintf(&c->url, "%s%.*s", scheme, (int)length, url) < 0 ||
+        curl_global_init(CURL_GLOBAL_DEFAULT) != CURLE_OK || !(c->easy = curl_easy_init()) ||
+        !(c->multi = curl_multi_init())) {
+        glint_client_destroy(&c);
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the HTTP client");
+    }
+    *out = c;
+    return GLINT_OK;
+}
+
+void glint_client_destroy(glint_client **client)
+{
+    glint_client *c = *client;
+    *client = NULL;
+    if (!c)
+        return;
+    curl_easy_cleanup(c->easy);
+    curl_multi_cleanup(c->multi);
+    free(c->url);
+    free(c);
+}
+
+const char *glint_client_url(const glint_client *client)
+{
+    return client->url;
+}
+
+static bool keep(struct transfer *t, const void *bytes, size_t size)
+{
+    struct glint_answer *a = &t->answer;
+    if (size > GLINT_MAX_ANSWER - a->size) {
+        t->too_large = true;
+        return false;
+    }
+    if (a->size + size + 1 > t->capacity) {
+        const size_t capacity = 2 * (a->size + size) + 1024;
+        char *grown = realloc(a->body, capacity);
+        if (!grown)
+            return false;
+        a->body = grown;
+        t->capacity = capacity;
+    }
+    memcpy(a->body + a->size, bytes, size);
+    a->size += size;
+    a->body[a->size] = '\0';
+    return true;
+}
+
+static size_t on_receive(char *bytes, size_t unit, size_t count, void *user)
+{
+    struct transfer *t = user;
+    const size_t size = unit * count;
+    long http = 0;
+    curl_easy_getinfo(t->easy, CURLINFO_RESPONSE_CODE, &http);
+    if (!t->request->receive || glint_problem_status(http) != GLINT_OK)
+        return keep(t, bytes, size) ? size : CURL_WRITEFUNC_ERROR;
+    if (t->request->receive(t->request->user, bytes, size))
+        return size;
+    t->ended = true;
+    return CURL_WRITEFUNC_ERROR;
+}
+
+static size_t on_send(char *bytes, size_t unit, size_t count, void *user)
+{
+    struct transfer *t = user;
+    const struct glint_body *body = t->request->body;
+    size_t size = unit * count;
+    if (size > body->size - t->sent)
+        size = (size_t)(body->size - t->sent);
+    if (body->bytes) {
+        memcpy(bytes, body->bytes + t->sent, size);
+    } else if (size) {
+        const ssize_t got = pread(body->fd, bytes, size, (off_t)t->sent);
+        if (got <= 0) {
+            t->file_short = true;
+            return CURL_READFUNC_ABORT;
+        }
+        size = (size_t)got;
+    }
+    t->sent += size;
+    return size;
+}
+
+// libcurl rewinds when it has to send a body again on a fresh connection.
+static int on_seek(void *user, curl_off_t offset, int origin)
+{
+    struct transfer *t = user;
+    if (origin != SEEK_SET || offset < 0 || (uint64_t)offset > t->request->body->size)
+        return CURL_SEEKFUNC_FAIL;
+    t->sent = (uint64_t)offset;
+    return CURL_SEEKFUNC_OK;
+}
+
+static bool add_header(struct curl_slist **list, const char *name, const char *value)
+{
+    char *line;
+    if (!value)
+        return true;
+    if (asprintf(&line, "%s: %s", name, value) < 0)
+        return false;
+    struct curl_slist *longer = curl_slist_append(*list, line);
+    free(line);
+    if (longer)
+        *list = longer;
+    return longer != NULL;
+}
+
+static bool make_headers(const struct glint_request *r, struct curl_slist **list)
+{
+    return add_header(list, "Content-Type", r->body ? r->body->type : NULL) &&
+           add_header(list, "Idempotency-Key", r->idempotency_key) &&
+           add_header(list, "Last-Event-ID", r->last_event_id) &&
+           add_header(list, "Accept", r->stream ? "text/event-stream" : "*/*");
+}
+
+static void set_body(CURL *easy, struct transfer *t)
+{
+    curl_easy_setopt(easy, CURLOPT_UPLOAD, 1L);
+    curl_easy_setopt(easy, CURLOPT_INFILESIZE_LARGE, (curl_off_t)t->request->body->size);
+    curl_easy_setopt(easy, CURLOPT_READFUNCTION, on_send);
+    curl_easy_setopt(easy, CURLOPT_READDATA, t);
+    curl_easy_setopt(easy, CURLOPT_SEEKFUNCTION, on_seek);
+    curl_easy_setopt(easy, CURLOPT_SEEKDATA, t);
+}
+
+static void set_options(CURL *easy, struct transfer *t, const char *url,
+                        const struct curl_slist *headers)
+{
+    const struct glint_request *r = t->request;
+    curl_easy_reset(easy);
+    curl_easy_setopt(easy, CURLOPT_URL, url);
+    curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, "http,https");
+    curl_easy_setopt(easy, CURLOPT_PATH_AS_IS, 1L); // a scene named ".." stays a name
+    curl_easy_setopt(easy, CURLOPT_PROXY, "");      // a render daemon stands behind no web proxy
+    curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
+    curl_easy_setopt(easy, CURLOPT_TCP_KEEPALIVE, 1L);
+    curl_easy_setopt(easy, CURLOPT_USERAGENT, PACKAGE_NAME "/" PACKAGE_VERSION);
+    curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT_MS, r->connect_ms ? r->connect_ms : 10000L);
+    curl_easy_setopt(easy, CURLOPT_HTTPHEADER, headers);
+    curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, on_receive);
+    curl_easy_setopt(easy, CURLOPT_WRITEDATA, t);
+    if (r->body)
+        set_body(easy, t);
+    if (r->stream) {
+        curl_easy_setopt(easy, CURLOPT_LOW_SPEED_LIMIT, 1L);
+        curl_easy_setopt(easy, CURLOPT_LOW_SPEED_TIME, STREAM_SILENCE_S);
+    }
+    curl_easy_setopt(easy, CURLOPT_CUSTOMREQUEST, r->method); // after UPLOAD, which means PUT
+}
+
+// Runs the transfer; false if a signal ended it.
+static bool drive(glint_client *c, bool steady, CURLcode *result)
+{
+    *result = CURLE_FAILED_INIT;
+    for (int running = 1; running;) {
+        if (curl_multi_perform(c->multi, &running) != CURLM_OK)
+            return true;
+        if (!steady && glint_interrupt_pending())
+            return false;
+        struct curl_waitfd signal = {.fd = glint_interrupt_fd(), .events = CURL_WAIT_POLLIN};
+        if (running)
+            curl_multi_poll(c->multi, &signal, steady ? 0 : 1, 1000, NULL);
+    }
+    int left;
+    for (CURLMsg *m; (m = curl_multi_info_read(c->multi, &left));)
+        if (m->msg == CURLMSG_DONE)
+            *result = m->data.result;
+    return true;
+}
+
+static glint_status judge(const glint_client *c, const struct transfer *t, CURLcode result,
+                          struct glint_error *err)
+{
+    const struct glint_answer *a = &t->answer;
+    if (t->file_short)
+        return glint_fail(err, GLINT_E_IO, "", "the file became shorter while it was sent");
+    if (t->too_large)
+        return glint_fail(err, GLINT_E_TOO_LARGE, "", "%s answers with more than %zu bytes",
+                          c->url, GLINT_MAX_ANSWER);
+    // An answer that came before the body was sent (413) ends the transfer with an error as well.
+    if (a->http >= 300)
+        return glint_problem_read(a->http, a->body ? a->body : "", a->size, err);
+    if (result != CURLE_OK && !t->ended)
+        return glint_fail(err, GLINT_E_UNAVAILABLE, "", "%s: %s", c->url,
+                          curl_easy_strerror(result));
+    if (a->http < 200)
+        return glint_fail(err, GLINT_E_INTERNAL, "", "%s answers %ld", c->url, a->http);
+    return GLINT_OK;
+}
+
+static glint_status perform(glint_client *c, struct transfer *t, struct glint_error *err)
+{
+    CURLcode result;
+    curl_multi_add_handle(c->multi, c->easy);
+    const bool finished = drive(c, t->request->steady, &result);
+    curl_easy_getinfo(c->easy, CURLINFO_RESPONSE_CODE, &t->answer.http);
+    curl_multi_remove_handle(c->multi, c->easy);
+    if (!finished)
+        return glint_fail(err, GLINT_E_BUSY, "", "interrupted");
+    return judge(c, t, result, err);
+}
+
+glint_status glint_client_send(glint_client *client, const struct glint_request *request,
+                               struct glint_answer *answer, struct glint_error *err)
+{
+    struct transfer t = {.request = request, .easy = client->easy};
+    struct curl_slist *headers = NULL;
+    char *url = NULL;
+    glint_status status = GLINT_E_NOMEM;
+    if (asprintf(&url, "%s%s", client->url, request->path) >= 0 && make_headers(request, &headers) &&
+        keep(&t, "", 0)) {
+        set_options(client->easy, &t, url, headers);
+        status = perform(client, &t, err);
+        curl_easy_setopt(client->easy, CURLOPT_HTTPHEADER, NULL);
+    } else {
+        glint_fail(err, status, "", "no memory for a request");
+    }
+    curl_slist_free_all(headers);
+    free(url);
+    if (status == GLINT_OK && answer)
+        *answer = t.answer;
+    else
+        free(t.answer.body);
+    return status;
+}
+
+glint_status glint_client_json(glint_client *client, const struct glint_request *request,
+                               cJSON **out, struct glint_error *err)
+{
+    struct glint_answer answer;
+    *out = NULL;
+    const glint_status status = glint_client_send(client, request, &answer, err);
+    if (status)
+        return status;
+    *out = cJSON_ParseWithLength(answer.body, answer.size);
+    free(answer.body);
+    if (cJSON_IsObject(*out))
+        return GLINT_OK;
+    cJSON_Delete(*out);
+    *out = NULL;
+    return glint_fail(err, GLINT_E_INTERNAL, "", "%s%s: the answer is no JSON object", client->url,
+                      request->path);
+}
+
+char *glint_client_escape(const char *text)
+{
+    char *escaped = curl_easy_escape(NULL, text, (int)strlen(text));
+    char *copy = escaped ? strdup(escaped) : NULL;
+    curl_free(escaped);
+    return copy;
+}
+
+char *glint_client_path(const char *before, const char *name, const char *after)
+{
+    char *path = NULL, *escaped = glint_client_escape(name);
+    if (escaped && asprintf(&path, "%s%s%s", before, escaped, after) < 0)
+        path = NULL;
+    free(escaped);
+    return path;
+}
+
+char *glint_client_query(char *path, const char *name, const char *value)
+{
+    if (!path || !value)
+        return path;
+    char *longer = NULL, *escaped = glint_client_escape(value);
+    if (escaped && asprintf(&longer, "%s%c%s=%s", path, strchr(path, '?') ? '&' : '?', name,
+                            escaped) < 0)
+        longer = NULL;
+    free(escaped);
+    free(path);
+    return longer;
+}
+
+glint_status glint_client_get(glint_client *client, const char *before, const char *name,
+                              const char *after, cJSON **out, struct glint_error *err)
+{
+    char *path = name ? glint_client_path(before, name, after) : strdup(before);
+    if (!path)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory");
+    const struct glint_request request = {.method = "GET", .path = path};
+    const glint_status status = glint_client_json(client, &request, out, err);
+    free(path);
+    return status;
+}

@@ -1,0 +1,76 @@
+// client.h - HTTP to one daemon.
+//
+// A request waits for its answer, or until a signal is pending (interrupt.h): then it is dropped
+// and answers GLINT_E_BUSY.
+//
+// Thread-safety: one owner.
+#ifndef GLINT_CLI_CLIENT_H
+#define GLINT_CLI_CLIENT_H
+
+#include "protocol/status.h"
+
+#include <cjson/cJSON.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct glint_client glint_client;
+
+#define GLINT_MAX_ANSWER ((size_t)64 << 20) // bytes of an answer that is kept in memory
+
+struct glint_body {
+    const char *type;     // media type
+    const uint8_t *bytes; // or NULL: read from `fd`
+    int fd;
+    uint64_t size;
+};
+
+struct glint_request {
+    const char *method;            // "GET"
+    const char *path;              // "/v1/jobs?...", escaped
+    const struct glint_body *body; // or NULL
+    const char *idempotency_key;   // or NULL
+    const char *last_event_id;     // or NULL
+    bool steady;                   // runs through signals; for requests that answer at once
+    bool stream;                   // the server sends something at least every 60 s
+    long connect_ms;               // 0: 10 s
+    // Takes what a 2xx answer brings, piece by piece; false ends the transfer, which then is a
+    // success. NULL: the body is kept in the answer.
+    bool (*receive)(void *user, const void *bytes, size_t size);
+    void *user;
+};
+
+struct glint_answer {
+    long http;
+    char *body; // terminated, owned; "" where `receive` took it
+    size_t size;
+};
+
+// `url` is http://HOST[:PORT] or https://...; without a scheme http is meant.
+glint_status glint_client_create(glint_client **out, const char *url, struct glint_error *err);
+void glint_client_destroy(glint_client **client);
+
+const char *glint_client_url(const glint_client *client);
+
+// GLINT_E_UNAVAILABLE where nobody answers; what a problem+json says where the answer is no 2xx.
+// `answer` may be NULL; its body is to be freed on success.
+glint_status glint_client_send(glint_client *client, const struct glint_request *request,
+                               struct glint_answer *answer, struct glint_error *err);
+
+// Sends and parses the JSON object that must come back.
+glint_status glint_client_json(glint_client *client, const struct glint_request *request,
+                               cJSON **out, struct glint_error *err);
+
+// The JSON object at before + escaped name + after (name NULL: at `before`).
+glint_status glint_client_get(glint_client *client, const char *before, const char *name,
+                              const char *after, cJSON **out, struct glint_error *err);
+
+// `text` as a part of a path or query; malloc'd, or NULL without memory.
+char *glint_client_escape(const char *text);
+
+// before + escaped name + after; malloc'd, or NULL without memory.
+char *glint_client_path(const char *before, const char *name, const char *after);
+
+// `path` with ?name=value or &name=value; takes `path`, which may be NULL. value NULL adds nothing.
+char *glint_client_query(char *path, const char *name, const char *value);
+
+#endif

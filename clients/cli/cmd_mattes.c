@@ -1,0 +1,141 @@
+// cmd_mattes.c - mattes and matte: what a frame holds by name, and one of it as an image.
+#include "command.h"
+#include "download.h"
+#include "problem.h"
+#include "table.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_NAMES 32
+
+static const struct glint_column row[] = {
+    {"NAME", "name", GLINT_COLUMN_TEXT},
+    {"HASH", "hash", GLINT_COLUMN_TEXT},
+    {"PIXELS", "coverage", GLINT_COLUMN_NUMBER},
+    {0},
+};
+
+static bool is_layer(const char *name)
+{
+    return strcmp(name, "object") == 0 || strcmp(name, "material") == 0 || strcmp(name, "asset") == 0;
+}
+
+// The daemon lists every name of the scene; people want those that are in the picture.
+static cJSON *seen(const cJSON *names)
+{
+    cJSON *list = cJSON_CreateArray();
+    const cJSON *name;
+    cJSON_ArrayForEach(name, names) {
+        const cJSON *coverage = cJSON_GetObjectItemCaseSensitive(name, "coverage");
+        if (cJSON_IsNumber(coverage) && coverage->valuedouble > 0)
+            cJSON_AddItemReferenceToArray(list, (cJSON *)(uintptr_t)name);
+    }
+    return list;
+}
+
+static void print_layers(const cJSON *layers, const char *wanted)
+{
+    const cJSON *layer;
+    cJSON_ArrayForEach(layer, layers) {
+        const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(layer, "layer"));
+        name = name ? name : layer->string;
+        if (wanted && name && strcmp(name, wanted) != 0)
+            continue;
+        printf("%s:\n", name ? name : "-");
+        const cJSON *names = cJSON_GetObjectItemCaseSensitive(layer, "names");
+        cJSON *list = seen(names ? names : layer);
+        glint_table_print(row, list);
+        cJSON_Delete(list);
+    }
+}
+
+static glint_status run_mattes(struct glint_session *s, const struct glint_arguments *a,
+                               struct glint_error *err)
+{
+    const char *layer = glint_options_text(a, "layer");
+    if (layer && !is_layer(layer))
+        return glint_session_usage(s, err, "--layer wants object, material or asset");
+    cJSON *mattes = NULL;
+    glint_status status = glint_session_open(s, a, false, err);
+    if (!status)
+        status = glint_client_get(s->client, "/v1/jobs/", a->text[0], "/mattes", &mattes, err);
+    if (status)
+        return status;
+    if (s->json) {
+        glint_session_print(mattes);
+    } else {
+        print_layers(cJSON_GetObjectItemCaseSensitive(mattes, "layers"), layer);
+        cJSON_Delete(mattes);
+    }
+    return GLINT_OK;
+}
+
+static glint_status check(struct glint_session *s, const struct glint_arguments *a,
+                          struct glint_error *err)
+{
+    const char *file = glint_options_text(a, "output"), *layer = glint_options_text(a, "layer");
+    if (!file || !glint_options_text(a, "name"))
+        return glint_session_usage(s, err, "matte wants --name NAME and -o FILE");
+    if (!glint_download_kind(file))
+        return glint_session_usage(s, err, "%s: mattes are .exr or .png", file);
+    if (layer && !is_layer(layer))
+        return glint_session_usage(s, err, "--layer wants object, material or asset");
+    return GLINT_OK;
+}
+
+static char *matte_path(const struct glint_arguments *a)
+{
+    const char *name[MAX_NAMES];
+    const char *file = glint_options_text(a, "output"), *layer = glint_options_text(a, "layer");
+    const bool exr = strcmp(glint_download_kind(file), "exr") == 0;
+    char *path = glint_client_path("/v1/jobs/", a->text[0], exr ? "/matte.exr" : "/matte.png");
+    path = glint_client_query(path, "layer", layer ? layer : "object");
+    const size_t names = glint_options_all(a, "name", name, MAX_NAMES);
+    for (size_t i = 0; i < names; i++)
+        path = glint_client_query(path, "name", name[i]);
+    return path;
+}
+
+static glint_status run_matte(struct glint_session *s, const struct glint_arguments *a,
+                              struct glint_error *err)
+{
+    const char *file = glint_options_text(a, "output");
+    uint64_t size;
+    glint_status status = check(s, a, err);
+    if (!status)
+        status = glint_session_open(s, a, false, err);
+    if (status)
+        return status;
+    char *path = matte_path(a);
+    status = path ? glint_download_file(s, path, file, &size, err)
+                  : glint_fail(err, GLINT_E_NOMEM, "", "no memory");
+    free(path);
+    if (!status)
+        glint_download_report(s, file, size);
+    return status;
+}
+
+static const struct glint_option mattes_options[] = {
+    {"layer", 'l', "LAYER", "only object, material or asset"},
+    {0},
+};
+
+static const struct glint_option matte_options[] = {
+    {"layer", 'l', "LAYER", "object (the default), material or asset"},
+    {"name", 'n', "NAME", "what to show; repeated, their union"},
+    {"output", 'o', "FILE", "where to, .exr or .png"},
+    {0},
+};
+
+const struct glint_command glint_command_mattes = {
+    .name = "mattes", .operands = "JOB", .summary = "List the names in a frame and their coverage",
+    .detail = "Names that cover nothing are left out; --json has them all.",
+    .options = mattes_options, .least = 1, .most = 1, .run = run_mattes,
+};
+
+const struct glint_command glint_command_matte = {
+    .name = "matte", .operands = "JOB", .summary = "Download the matte of one or more names",
+    .options = matte_options, .least = 1, .most = 1, .run = run_matte,
+};

@@ -1,0 +1,46 @@
+"""cli.py - runs the client under test."""
+import os
+import socket
+import subprocess
+
+import tap
+
+
+def program():
+    path = os.environ.get("GLINT", tap.build("glint"))
+    if not os.access(path, os.X_OK):
+        tap.skip_all(f"no {path}")
+    return path
+
+
+def environment(**more):
+    """The tests' own, without the user's daemon."""
+    kept = {k: v for k, v in os.environ.items() if k != "GLINT_SERVER"}
+    return {**kept, **more}
+
+
+def glint(*arguments, server=None, cwd=None, **more):
+    """The finished process, its output as text."""
+    variables = environment(**({"GLINT_SERVER": server} if server else {}), **more)
+    return subprocess.run([program(), *map(str, arguments)], env=variables, cwd=cwd, text=True,
+                          capture_output=True, timeout=120, stdin=subprocess.DEVNULL)
+
+
+def start(*arguments, server=None, binary=None, **more):
+    """The running process, with pipes."""
+    variables = environment(**({"GLINT_SERVER": server} if server else {}), **more)
+    return subprocess.Popen([binary or program(), *map(str, arguments)], env=variables, text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                            stdin=subprocess.DEVNULL)
+
+
+class Silence:
+    """A server address that refuses connections for as long as it is held."""
+
+    def __enter__(self):
+        self.socket = socket.socket()
+        self.socket.bind(("127.0.0.1", 0))  # bound, never listening
+        return f"http://127.0.0.1:{self.socket.getsockname()[1]}"
+
+    def __exit__(self, *error):
+        self.socket.close()

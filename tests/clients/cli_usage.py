@@ -1,0 +1,164 @@
+#!/usr/bin/python3
+"""glint's command line: help, usage faults, exit codes."""
+import json
+import os
+import subprocess
+import tempfile
+
+import cli
+import tap
+from fake_daemon import Answer, FakeDaemon, problem
+
+COMMANDS = {"put": ["x.glb"], "scenes": [], "render": ["x"], "jobs": [], "watch": ["j"],
+            "get": ["j"], "cancel": ["j"], "mattes": ["j"], "matte": ["j"], "plan": ["j"]}
+
+
+def test_each_command_explains_itself():
+    overview = cli.glint("--help")
+    assert overview.returncode == 0
+    for command in COMMANDS:
+        assert f"\n  {command} " in overview.stdout
+        run = cli.glint(command, "--help")
+        assert run.returncode == 0 and run.stderr == ""
+        assert run.stdout.startswith(f"Usage: glint {command} ")
+        assert "--json" in run.stdout
+
+
+def test_version_is_told_by_each_command():
+    version = cli.glint("--version").stdout
+    assert version.startswith("glint ")
+    for command in COMMANDS:
+        assert cli.glint(command, "--version").stdout == version
+
+
+def test_wrong_usage_exits_64_and_names_the_fault():
+    for arguments, named in [
+            ([], "Usage"), (["paint"], "paint"), (["jobs", "--colour"], "--colour"),
+            (["watch"], "JOB"), (["watch", "a", "b"], "'b'"), (["render", "x", "-o"], "FILE"),
+            (["jobs", "--json=yes"], "--json"), (["jobs", "-x"], "-x"),
+            (["render", "x", "-o", "frame.gif"], "frame.gif"), (["get", "j"], "-o FILE"),
+            (["matte", "j", "-o", "m.png"], "--name"),
+            (["matte", "j", "-o", "m.png", "--name", "a", "--layer", "light"], "--layer"),
+            (["watch", "j", "--progress", "loud"], "--progress"),
+            (["get", "j", "-o", "x.png", "--exposure", "bright"], "bright")]:
+        run = cli.glint(*arguments)
+        assert run.returncode == 64, (arguments, run)
+        assert named in run.stderr, (arguments, run.stderr)
+        assert run.stdout == ""
+
+
+def test_every_malformed_value_is_named_at_once():
+    run = cli.glint("render", "x", "-o", "f.exr", "--samples", "-1", "--resolution", "64",
+                    "--region", "1,2,3", "--error", "small", "--outputs", "a,,b")
+    assert run.returncode == 64
+    for option in ["samples", "resolution", "region", "error", "outputs"]:
+        assert f"--{option} wants" in run.stderr
+
+
+def test_usage_faults_are_a_document_with_json():
+    run = cli.glint("render", "--json", "--samples", "x")
+    assert run.returncode == 64
+    details = [fault["detail"] for fault in json.loads(run.stdout)["errors"]]
+    assert any("--samples" in detail for detail in details) and len(details) == 3
+
+
+def test_silence_at_the_server_exits_69():
+    more = {"put": ["scene.glb"], "render": ["scene.glb", "-o", "f.exr", "--no-spawn"],
+            "get": ["j", "-o", "f.exr"], "matte": ["j", "-o", "m.exr", "--name", "a"]}
+    with cli.Silence() as server, tempfile.TemporaryDirectory() as folder:
+        with open(os.path.join(folder, "scene.glb"), "wb") as scene:
+            scene.write(b"glTF")
+        for command, operands in COMMANDS.items():
+            run = cli.glint(command, *more.get(command, operands), server=server, cwd=folder)
+            assert run.returncode == 69, (command, run)
+            assert server in run.stderr
+        assert os.listdir(folder) == ["scene.glb"]
+
+
+def test_the_option_wins_over_the_environment():
+    with FakeDaemon() as daemon, cli.Silence() as silent:
+        daemon.on("GET", "/v1/jobs", Answer(200, {"jobs": []}))
+        assert cli.glint("jobs", "--server", daemon.url + "/", server=silent).returncode == 0
+        assert cli.glint("jobs", "-s", silent, server=daemon.url).returncode == 69
+        bare = daemon.url.removeprefix("http://")
+        assert cli.glint("jobs", "-s", bare).returncode == 0
+
+
+def test_every_fault_of_a_problem_is_a_line_with_its_pointer():
+    faults = [{"pointer": "/camera/yfov", "detail": "4 is not below pi"},
+              {"pointer": "/stop/samples", "detail": "0 is too few"},
+              {"pointer": "/colour", "detail": "unknown member"}]
+    with FakeDaemon() as daemon, tempfile.TemporaryDirectory() as folder:
+        daemon.on("POST", "/v1/jobs", problem(422, "3 faults", faults))
+        out = os.path.join(folder, "f.exr")
+        run = cli.glint("render", "scene", "-o", out, server=daemon.url)
+        assert run.returncode == 1
+        for fault in faults:
+            assert f"glint: {fault['pointer']}: {fault['detail']}\n" in run.stderr
+        assert os.listdir(folder) == []
+        run = cli.glint("render", "--json", "scene", "-o", out, server=daemon.url)
+        assert run.returncode == 1 and json.loads(run.stdout)["errors"] == faults
+        assert json.loads(run.stdout)["status"] == 422
+
+
+def test_answers_of_each_kind_have_their_exit_code():
+    for status, code in [(400, 1), (404, 1), (413, 1), (422, 1), (429, 75), (503, 75), (507, 75),
+                         (500, 1), (418, 1), (599, 1)]:
+        with FakeDaemon() as daemon:
+            daemon.on("GET", "/v1/jobs", problem(status, f"because of {status}"))
+            run = cli.glint("jobs", server=daemon.url)
+            assert run.returncode == code, (status, run)
+            assert f"because of {status}" in run.stderr
+
+
+def test_an_answer_that_is_no_json_is_an_error():
+    with FakeDaemon() as daemon:
+        for body in [b"", b"<html>", b"[1]", b'{"jobs": [', b"\xff\xfe"]:
+            daemon.on("GET", "/v1/jobs", Answer(200, body))
+            run = cli.glint("jobs", server=daemon.url)
+            assert run.returncode == 1 and "no JSON object" in run.stderr, body
+        daemon.on("GET", "/v1/jobs", Answer(500, b"<html>oops</html>"))
+        assert "500" in cli.glint("jobs", server=daemon.url).stderr
+
+
+def test_names_cannot_steer_the_terminal():
+    with FakeDaemon() as daemon:
+        evil = "a\x1b[2Jb\u009b2J\nc"
+        daemon.on("GET", "/v1/jobs", Answer(200, {"jobs": [{"id": evil, "state": "done"}]}))
+        run = cli.glint("jobs", server=daemon.url)
+        assert run.returncode == 0 and "a?[2Jb?2J?c" in run.stdout
+        assert "\x1b" not in run.stdout and "\u009b" not in run.stdout
+        daemon.on("GET", "/v1/jobs", problem(422, evil))
+        assert "\x1b" not in cli.glint("jobs", server=daemon.url).stderr
+
+
+def test_names_in_paths_are_escaped():
+    with FakeDaemon() as daemon:
+        cli.glint("jobs", "../a b/\u00e9?x", server=daemon.url)
+        cli.glint("scenes", "..", server=daemon.url)
+        assert daemon.requests[0].target == "/v1/jobs/..%2Fa%20b%2F%C3%A9%3Fx"
+        assert daemon.requests[1].target == "/v1/scenes/.."
+
+
+def test_lists_are_tables_and_with_json_what_the_daemon_said():
+    jobs = {"jobs": [{"id": "j1", "state": "rendering", "progress": 0.25, "samples": 16,
+                      "error": 0.5, "seconds": 1.5, "scene": "a", "job": {"name": "shot"}},
+                     {"id": "j2", "state": "queued"}]}
+    with FakeDaemon() as daemon:
+        daemon.on("GET", "/v1/jobs", Answer(200, jobs))
+        lines = cli.glint("jobs", server=daemon.url).stdout.splitlines()
+        assert lines[0].split() == ["JOB", "STATE", "DONE", "SAMPLES", "ERROR", "TIME", "SCENE", "NAME"]
+        assert lines[1].split() == ["j1", "rendering", "25.0%", "16", "0.5", "1.5", "s", "a", "shot"]
+        assert lines[2].split() == ["j2", "queued"] + ["-"] * 6
+        assert json.loads(cli.glint("jobs", "--json", server=daemon.url).stdout) == jobs
+
+
+def test_a_full_disk_behind_stdout_is_a_failure():
+    with open("/dev/full", "w", encoding="ascii") as full:
+        run = subprocess.run([cli.program(), "--help"], stdout=full, stderr=subprocess.PIPE,
+                             check=False)
+    assert run.returncode == 1
+
+
+if __name__ == "__main__":
+    tap.main()
