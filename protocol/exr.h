@@ -12,7 +12,7 @@ enum glint_exr_layout { GLINT_EXR_SINGLE, GLINT_EXR_MULTIPART };
 struct glint_exr_options {
     enum glint_exr_compression compression;
     enum glint_exr_layout layout; // MULTIPART: part 0 is R,G,B,A and repeats the cryptomatte keys
-    int zip_level;                // 1..9, 0 for the library's default
+    int zip_level;                // 1..9, 0 for the default, 4
 };
 
 // Writes a complete scanline file, channels sorted bytewise, colour clamped to the half range

@@ -3,6 +3,7 @@
 
 #include "protocol/cryptomatte.h"
 #include "protocol/exr_stream.h"
+#include "protocol/exr_zip.h"
 #include "protocol/half.h"
 
 #include <assert.h>
@@ -27,6 +28,7 @@ struct writer {
     uint32_t parts;
     struct glint_arena arena; // owns all of the above
     uint64_t clamped;
+    struct glint_exr_zip zip;
     exr_context_t context;
 };
 
@@ -195,6 +197,13 @@ static exr_result_t pack(exr_encode_pipeline_t *pipe)
     return EXR_ERR_SUCCESS;
 }
 
+static exr_result_t zip(exr_encode_pipeline_t *pipe)
+{
+    struct writer *w = pipe->encoding_user_data;
+    const int level = w->options->zip_level ? w->options->zip_level : GLINT_EXR_ZIP_LEVEL;
+    return glint_exr_zip_compress(&w->zip, level, pipe);
+}
+
 // The library wants to see a source for every channel, though only pack() reads them.
 static void set_sources(exr_encode_pipeline_t *pipe, const struct part *part)
 {
@@ -220,6 +229,8 @@ static exr_result_t encode_chunk(struct writer *w, int part, int y, exr_encode_p
     set_sources(pipe, &w->part[part]);
     r = exr_encoding_choose_default_routines(w->context, part, pipe);
     pipe->convert_and_pack_fn = pack;
+    if (pipe->compress_fn)
+        pipe->compress_fn = zip;
     pipe->encoding_user_data = w;
     return r ? r : exr_encoding_run(w->context, part, pipe);
 }
@@ -284,10 +295,9 @@ glint_status glint_exr_write(const struct glint_frame *frame,
     struct glint_exr_stream stream = {.allocation_limit = SIZE_MAX};
     exr_context_initializer_t init;
     glint_exr_stream_open(&stream, &init);
-    if (options->zip_level)
-        init.zip_level = options->zip_level;
     const exr_result_t r = encode(&w, &init);
     glint_exr_stream_close(&stream);
+    glint_exr_zip_finish(&w.zip);
     glint_arena_finish(&w.arena);
     if (r) {
         free(stream.sink);

@@ -13,6 +13,8 @@ libglint_a_SOURCES = \
 	protocol/exr_stream.c \
 	protocol/exr_stream.h \
 	protocol/exr_write.c \
+	protocol/exr_zip.c \
+	protocol/exr_zip.h \
 	protocol/fields.c \
 	protocol/fields.h \
 	protocol/frame.c \

@@ -10,11 +10,16 @@ UNIT_TESTS = \
 	tests/kernel/test_matte \
 	tests/kernel/test_sampler \
 	tests/unit/test_arena \
+	tests/unit/test_cryptomatte \
 	tests/unit/test_device \
 	tests/unit/test_dials \
+	tests/unit/test_exr \
+	tests/unit/test_frame \
 	tests/unit/test_json \
 	tests/unit/test_log \
 	tests/unit/test_metrics \
+	tests/unit/test_multipart \
+	tests/unit/test_png \
 	tests/unit/test_queue \
 	tests/unit/test_status
 check_PROGRAMS += $(UNIT_TESTS)

@@ -33,7 +33,7 @@ def tool(name):
 
 def build(*path):
     """Path inside the build tree; the runner starts tests at its top."""
-    return os.path.join(os.environ.get("top_builddir", os.getcwd()), *path)
+    return os.path.join(os.environ.get("GLINT_BUILD", os.getcwd()), *path)
 
 
 def source(*path):
