@@ -32,7 +32,8 @@ SCRIPT_TESTS = \
 	tests/clients/cli_pack.py \
 	tests/clients/cli_render.py \
 	tests/clients/cli_usage.py \
-	tests/unit/headers.sh
+	tests/unit/headers.sh \
+	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(SCRIPT_TESTS)
 dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap
