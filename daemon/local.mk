@@ -24,8 +24,45 @@ libglintdaemon_a_SOURCES = \
 	daemon/device/sources.h \
 	daemon/jobs/jobs.h \
 	daemon/render/render.h \
+	daemon/scene/data_uri.c \
+	daemon/scene/data_uri.h \
+	daemon/scene/gltf.c \
+	daemon/scene/gltf.h \
+	daemon/scene/gltf_accessor.c \
+	daemon/scene/gltf_assimp.c \
+	daemon/scene/gltf_buffers.c \
+	daemon/scene/gltf_cameras.c \
+	daemon/scene/gltf_container.c \
+	daemon/scene/gltf_file.c \
+	daemon/scene/gltf_file.h \
+	daemon/scene/gltf_geometry.c \
+	daemon/scene/gltf_lights.c \
+	daemon/scene/gltf_materials.c \
+	daemon/scene/gltf_matrix.c \
+	daemon/scene/gltf_meshes.c \
+	daemon/scene/gltf_names.c \
+	daemon/scene/gltf_nodes.c \
+	daemon/scene/gltf_notes.c \
+	daemon/scene/gltf_textures.c \
+	daemon/scene/image_decode.c \
+	daemon/scene/image_decode.h \
+	daemon/scene/image_decode_hdr.c \
+	daemon/scene/image_decode_jpeg.c \
+	daemon/scene/image_decode_png.c \
+	daemon/scene/import.c \
 	daemon/scene/import.h \
+	daemon/scene/import_answer.c \
+	daemon/scene/import_answer.h \
+	daemon/scene/import_child.c \
+	daemon/scene/import_child.h \
+	daemon/scene/import_helper.c \
+	daemon/scene/import_helper.h \
+	daemon/scene/import_jail.c \
+	daemon/scene/import_jail.h \
+	daemon/scene/import_native.c \
 	daemon/scene/resident.h \
+	daemon/scene/sha256.c \
+	daemon/scene/sha256.h \
 	daemon/scene/store.h
 nodist_libglintdaemon_a_SOURCES = kernels/embedded.c
 

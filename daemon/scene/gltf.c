@@ -1,0 +1,48 @@
+// gltf.c - the steps of a glTF import, in order.
+#include "scene/gltf.h"
+
+#include "scene/gltf_file.h"
+
+#include <stdlib.h>
+
+static void read_scene(struct glint_gltf *g)
+{
+    static void (*const steps[])(struct glint_gltf *) = {
+        glint_gltf_read_nodes,  glint_gltf_read_materials, glint_gltf_read_meshes,
+        glint_gltf_read_lights, glint_gltf_read_cameras,   glint_gltf_note_the_rest,
+    };
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        // without nodes nothing else can be read; other steps report their faults together
+        if (i == 1 && g->err->status)
+            return;
+        if (g->err->status == GLINT_E_NOMEM)
+            return;
+        steps[i](g);
+    }
+    glint_gltf_notes_end(g);
+}
+
+glint_status glint_gltf_import(struct glint_scene **out, const uint8_t *bytes, size_t size,
+                               struct glint_error *err)
+{
+    *out = NULL;
+    struct glint_error own = {0};
+    struct glint_gltf g = {.err = err ? err : &own};
+    glint_status st = glint_gltf_split(&g, bytes, size);
+    if (!st)
+        st = glint_gltf_open(&g);
+    if (!st) {
+        g.scene = calloc(1, sizeof *g.scene);
+        st = g.scene ? GLINT_OK : glint_fail(g.err, GLINT_E_NOMEM, "", "no memory for a scene");
+    }
+    if (!st) {
+        read_scene(&g);
+        st = g.err->status;
+    }
+    glint_gltf_close(&g);
+    if (st)
+        glint_scene_destroy(&g.scene);
+    glint_error_finish(&own);
+    *out = g.scene;
+    return st;
+}

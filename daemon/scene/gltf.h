@@ -1,0 +1,23 @@
+// gltf.h - glTF 2.0 (GLB, or JSON that holds all its data in data URIs) to a scene.
+//
+// Assimp reads the geometry: it gets a small GLB made here, with nothing in it but the meshes that
+// the scene shows, every offset checked. All else is read from the glTF JSON itself, because Assimp
+// drops or changes it (emissive strength, fields of view, light units, names) or misreads it
+// (normalised integers, sparse accessors, indices out of range).
+//
+// What a file has and the scene cannot show is a warning that names it.
+//
+// Runs in the import child. Thread-safety: reentrant.
+#ifndef GLINT_SCENE_GLTF_H
+#define GLINT_SCENE_GLTF_H
+
+#include "protocol/scene.h"
+
+//   GLINT_E_SYNTAX  the container or the JSON is broken
+//   GLINT_E_RANGE   faults, with pointers into the glTF JSON
+//   GLINT_E_NOMEM
+// The scene is not completed: it may lack a camera and an emitter.
+glint_status glint_gltf_import(struct glint_scene **out, const uint8_t *bytes, size_t size,
+                               struct glint_error *err);
+
+#endif

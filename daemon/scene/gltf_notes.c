@@ -1,0 +1,74 @@
+// gltf_notes.c - warnings about what a file has and the scene cannot show.
+#include "scene/gltf_file.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#define IN_FULL 8u     // of one group
+#define MAX_NOTES 400u // of all groups
+
+void glint_gltf_note(struct glint_gltf *g, const char *group, const char *format, ...)
+{
+    uint32_t *seen = glint_gltf_names_at(&g->noted, &g->scratch, group);
+    if (!seen || ++*seen > IN_FULL || ++g->notes > MAX_NOTES)
+        return;
+    char text[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    glint_scene_warn(g->scene, "%s", text);
+}
+
+static bool listed(const char *const *known, const char *name)
+{
+    while (*known && strcmp(*known, name) != 0)
+        known++;
+    return *known != NULL;
+}
+
+void glint_gltf_ignored(struct glint_gltf *g, const struct glint_json *object, const char *what,
+                        const char *name, const char *const *known)
+{
+    const struct glint_json extensions = glint_gltf_object(object, "extensions");
+    if (!extensions.value)
+        return;
+    for (const cJSON *e = extensions.value->child; e; e = e->next) {
+        char group[160];
+        if (listed(known, e->string))
+            continue;
+        snprintf(group, sizeof group, "%.100s on a %s", e->string, what);
+        glint_gltf_note(g, group, "%.100s on %s \"%.200s\" is ignored", e->string, what, name);
+    }
+}
+
+static void note_all(struct glint_gltf *g, enum glint_gltf_kind kind, const char *what)
+{
+    for (uint32_t i = 0; i < g->list[kind].count; i++) {
+        const struct glint_json at = glint_gltf_item(g, kind, i);
+        char number[16];
+        snprintf(number, sizeof number, "%u", i);
+        const char *name = glint_gltf_name(g, &at);
+        glint_gltf_note(g, what, "%s \"%.200s\" is ignored", what, *name ? name : number);
+    }
+}
+
+void glint_gltf_note_the_rest(struct glint_gltf *g)
+{
+    static const char *const known[] = {"KHR_lights_punctual", NULL};
+    note_all(g, GLTF_ANIMATIONS, "animation");
+    note_all(g, GLTF_SKINS, "skin");
+    glint_gltf_ignored(g, &g->root, "file", "glTF", known);
+}
+
+void glint_gltf_notes_end(struct glint_gltf *g)
+{
+    for (uint32_t i = 0; i < g->noted.capacity; i++) {
+        const struct glint_gltf_name *n = &g->noted.slot[i];
+        if (n->text && n->value > IN_FULL && g->notes++ <= MAX_NOTES)
+            glint_scene_warn(g->scene, "%s: %u more like this", n->text, n->value - IN_FULL);
+    }
+    if (g->notes > MAX_NOTES)
+        glint_scene_warn(g->scene, "the file has more that is ignored than is listed here");
+}
