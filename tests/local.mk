@@ -24,6 +24,8 @@ UNIT_TESTS = \
 	tests/unit/test_status
 check_PROGRAMS += $(UNIT_TESTS)
 endif
+check_PROGRAMS += tests/render/write_frame
+tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
 tests_clients_test_sse_LDADD = libglintcli.a $(LDADD)
 tests_clients_test_uri_LDADD = libglintcli.a $(LDADD)
 
@@ -32,6 +34,7 @@ SCRIPT_TESTS = \
 	tests/clients/cli_pack.py \
 	tests/clients/cli_render.py \
 	tests/clients/cli_usage.py \
+	tests/render/test_exr_readers.py \
 	tests/unit/headers.sh \
 	tests/unit/manual.sh
 
