@@ -56,7 +56,7 @@ struct glint_json glint_json_item(const struct glint_json *parent, const cJSON *
 // Appends a GLINT_E_RANGE fault at the value; returns false.
 bool glint_json_fault(const struct glint_json *at, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-// Appends a fault if the value is absent.
+// Appends a fault if the value is absent, unless its parent is no object: that is another fault.
 bool glint_json_require(const struct glint_json *at);
 
 // Appends a fault for each member that is not in the NULL-terminated list, and one if the value is

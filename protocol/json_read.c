@@ -45,7 +45,11 @@ static int find(const char *const *names, const char *name)
 
 bool glint_json_require(const struct glint_json *at)
 {
-    return at->value || glint_json_fault(at, "the member is required");
+    if (at->value)
+        return true;
+    if (at->key && at->parent->value && !cJSON_IsObject(at->parent->value))
+        return false;
+    return glint_json_fault(at, "the member is required");
 }
 
 bool glint_json_only(const struct glint_json *at, const char *const *known)

@@ -29,7 +29,20 @@ libglint_a_SOURCES = \
 	protocol/multipart.h \
 	protocol/png.c \
 	protocol/png.h \
+	protocol/scene.c \
 	protocol/scene.h \
+	protocol/scene_asset.c \
+	protocol/scene_complete.c \
+	protocol/scene_fields.c \
+	protocol/scene_ids.c \
+	protocol/scene_items.c \
+	protocol/scene_mesh.c \
+	protocol/scene_mesh_check.c \
+	protocol/scene_parse.c \
+	protocol/scene_parts.h \
+	protocol/scene_primitives.c \
+	protocol/scene_transform.c \
+	protocol/scene_write.c \
 	protocol/status.c \
 	protocol/status.h \
 	protocol/text.c \

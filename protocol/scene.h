@@ -20,12 +20,21 @@
 
 #define GLINT_NONE UINT32_MAX // an absent reference
 
+// Bounds within which products of what a scene holds stay finite in single precision.
+#define GLINT_MAX_COORDINATE 1e12f // metres, in the object and in the world
+#define GLINT_MAX_RADIANCE 1e20f   // also of intensities
+#define GLINT_MAX_IMAGE_SIDE 16384u
+#define GLINT_MAX_MESH_COUNT 0x7fffffffu // vertices, triangles
+
 // Bytes named by the SHA-256 of their content.
 struct glint_asset {
     char sha256[65]; // lower-case hex
     const uint8_t *bytes;
     size_t size;
 };
+
+// The name of the bytes; false if the library has no memory.
+bool glint_asset_name(const void *bytes, size_t size, char sha256[65]);
 
 enum glint_image_format {
     GLINT_IMAGE_RGBA8,   // sRGB or linear as its use says; alpha linear
@@ -158,7 +167,8 @@ glint_status glint_scene_complete(struct glint_scene *scene, struct glint_error 
 
 // The canonical native JSON: keys in a fixed order, shortest round-trip numbers; meshes and images
 // by asset hash. Those that have no asset yet are packed into new assets, appended to *asset
-// (malloc'd array and bytes, the caller's). Parsing the text gives an equal scene.
+// (malloc'd array and bytes, the caller's; NULL and 0 to begin with). Parsing the text gives an
+// equal scene. GLINT_E_NOMEM only; *asset is as it was then, *text NULL.
 glint_status glint_scene_write(const struct glint_scene *scene, char **text, size_t *length,
                                struct glint_asset **asset, size_t *assets, struct glint_error *err);
 

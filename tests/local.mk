@@ -3,12 +3,6 @@
 
 if HAVE_CMOCKA
 UNIT_TESTS = \
-	tests/clients/test_sse \
-	tests/clients/test_uri \
-	tests/kernel/test_filter \
-	tests/kernel/test_math \
-	tests/kernel/test_matte \
-	tests/kernel/test_sampler \
 	tests/unit/test_arena \
 	tests/unit/test_cryptomatte \
 	tests/unit/test_device \
@@ -21,6 +15,7 @@ UNIT_TESTS = \
 	tests/unit/test_multipart \
 	tests/unit/test_png \
 	tests/unit/test_queue \
+	tests/unit/test_scene \
 	tests/unit/test_status
 check_PROGRAMS += $(UNIT_TESTS)
 endif
