@@ -3,6 +3,12 @@
 
 if HAVE_CMOCKA
 UNIT_TESTS = \
+	tests/clients/test_sse \
+	tests/clients/test_uri \
+	tests/kernel/test_filter \
+	tests/kernel/test_math \
+	tests/kernel/test_matte \
+	tests/kernel/test_sampler \
 	tests/unit/test_arena \
 	tests/unit/test_cryptomatte \
 	tests/unit/test_device \
