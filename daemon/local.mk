@@ -23,9 +23,31 @@ libglintdaemon_a_SOURCES = \
 	daemon/device/source.c \
 	daemon/device/sources.h \
 	daemon/jobs/jobs.h \
+	daemon/render/camera.c \
+	daemon/render/effects.c \
+	daemon/render/effects.h \
+	daemon/render/estimate.c \
+	daemon/render/estimate.h \
+	daemon/render/film.c \
+	daemon/render/film.h \
+	daemon/render/internal.h \
+	daemon/render/mattes.c \
+	daemon/render/plan.c \
+	daemon/render/plan.h \
+	daemon/render/ranking.c \
+	daemon/render/ranking.h \
+	daemon/render/render.c \
 	daemon/render/render.h \
+	daemon/render/resolve.c \
+	daemon/render/wave.c \
+	daemon/render/wave.h \
+	daemon/scene/alias.c \
+	daemon/scene/alias.h \
 	daemon/scene/data_uri.c \
 	daemon/scene/data_uri.h \
+	daemon/scene/environment.c \
+	daemon/scene/geometry.c \
+	daemon/scene/geometry.h \
 	daemon/scene/gltf.c \
 	daemon/scene/gltf.h \
 	daemon/scene/gltf_accessor.c \
@@ -60,10 +82,18 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/import_jail.c \
 	daemon/scene/import_jail.h \
 	daemon/scene/import_native.c \
+	daemon/scene/internal.h \
+	daemon/scene/lights.c \
+	daemon/scene/materials.c \
+	daemon/scene/place.c \
+	daemon/scene/records.c \
+	daemon/scene/resident.c \
 	daemon/scene/resident.h \
+	daemon/scene/rows.c \
 	daemon/scene/sha256.c \
 	daemon/scene/sha256.h \
-	daemon/scene/store.h
+	daemon/scene/store.h \
+	daemon/scene/textures.c
 nodist_libglintdaemon_a_SOURCES = kernels/embedded.c
 
 if HAVE_GLINTD

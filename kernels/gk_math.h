@@ -30,6 +30,16 @@ GK_INLINE gk_f32 gk_max(gk_f32 a, gk_f32 b)
     return a > b ? a : b;
 }
 
+GK_INLINE gk_i32 gk_min_i32(gk_i32 a, gk_i32 b)
+{
+    return a < b ? a : b;
+}
+
+GK_INLINE gk_i32 gk_max_i32(gk_i32 a, gk_i32 b)
+{
+    return a > b ? a : b;
+}
+
 // NaN becomes lo.
 GK_INLINE gk_f32 gk_clamp(gk_f32 x, gk_f32 lo, gk_f32 hi)
 {

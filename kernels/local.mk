@@ -1,12 +1,37 @@
 # Kernels are checked by clang and embedded as bytes; nothing reads them from a disk at run time.
 # kernel_headers are compiled by host and device alike, kernel_sources hold the entry points.
 
-kernel_headers = kernels/gk_filter.h kernels/gk_math.h kernels/gk_matte.h kernels/gk_sampler.h kernels/gk_types.h
+kernel_headers = \
+	kernels/gk_bsdf.h \
+	kernels/gk_camera.h \
+	kernels/gk_environment.h \
+	kernels/gk_film.h \
+	kernels/gk_filter.h \
+	kernels/gk_frame.h \
+	kernels/gk_fresnel.h \
+	kernels/gk_hit.h \
+	kernels/gk_light.h \
+	kernels/gk_math.h \
+	kernels/gk_matte.h \
+	kernels/gk_sampler.h \
+	kernels/gk_scene.h \
+	kernels/gk_texture.h \
+	kernels/gk_types.h \
+	kernels/gk_vec.h \
+	kernels/gk_wave.h
 
-kernel_sources =
+kernel_sources = \
+	kernels/coverage.cl \
+	kernels/film.cl \
+	kernels/generate.cl \
+	kernels/shade.cl \
+	kernels/shadow.cl
 
 # Every -D that the effects table can set: the kernels are checked with none and with all of them.
-kernel_options =
+kernel_options = -DGK_AOVS -DGK_EMISSION -DGK_ENVIRONMENT_CONSTANT -DGK_ENVIRONMENT_IMAGE \
+	-DGK_FILM_FP64 -DGK_FILTER_BLACKMAN_HARRIS -DGK_INSTANCES -DGK_LENS -DGK_LIGHTS \
+	-DGK_LIGHTS_UNIFORM -DGK_LIGHT_TABLE -DGK_MICROFACET -DGK_NORMAL_MAPS -DGK_TEXTURES \
+	-DGK_TEXTURE_POOLS=4 -DGK_TRANSMISSION
 
 kernels = $(kernel_headers) $(kernel_sources)
 EXTRA_DIST += $(kernels)

@@ -56,6 +56,7 @@ struct glint_job {
     enum glint_filter_kind filter;
     float filter_width;         // pixels, 0.5..16; default blackman_harris 1.5... box 1
     uint32_t max_bounces;       // 0..1024; default 8
+    uint32_t frame;             // number of the frame, only recorded
     uint32_t seed;
     struct glint_job_stop stop; // absent: 256 samples
     int32_t priority;           // -100..100

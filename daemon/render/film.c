@@ -1,0 +1,198 @@
+#include "render/film.h"
+
+#include "kernels/gk_film.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+
+#define BUFFER_BYTES ((size_t)1 << 30)
+
+struct tile {
+    uint32_t samples;
+    uint16_t readers;
+    bool held;
+    uint64_t version;
+};
+
+struct glint_film {
+    uint32_t columns, rows;
+    uint32_t tile_words; // of planes
+    uint32_t tile_slots; // of tables, 0 without coverage
+    uint32_t tiles_per_buffer, buffers;
+    glint_buffer **planes, **tables; // [buffers]
+    pthread_mutex_t mutex;           // guards `tile` and `sequence`; no call is made under it
+    pthread_cond_t released;
+    struct tile *tile;
+    uint64_t sequence;
+};
+
+static uint32_t smaller(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+static void clear_depths(const glint_film *f, uint32_t tiles)
+{
+    for (uint32_t t = 0; t < tiles; t++) {
+        struct glint_film_tile at;
+        glint_film_tile(f, t, &at);
+        float *depth = (float *)glint_buffer_host(at.planes) + at.planes_offset
+                       + (GK_PLANES_BASE + GK_AOV_DEPTH) * GK_TILE_PIXELS;
+        for (int i = 0; i < GK_TILE_PIXELS; i++)
+            depth[i] = 1e30f;
+    }
+}
+
+static glint_status allocate(glint_film *f, glint_devices *devices, uint32_t tiles, struct glint_error *err)
+{
+    glint_status st = GLINT_OK;
+    for (uint32_t b = 0; !st && b < f->buffers; b++) {
+        const size_t n = smaller(f->tiles_per_buffer, tiles - b * f->tiles_per_buffer);
+        st = glint_buffer_create(&f->planes[b], devices, n * f->tile_words * 4, err);
+        if (!st && f->tile_slots)
+            st = glint_buffer_create(&f->tables[b], devices, n * f->tile_slots * 8, err);
+    }
+    return st;
+}
+
+glint_status glint_film_create(glint_film **out, glint_devices *devices, const struct glint_plan *plan,
+                               const struct glint_job *job, struct glint_error *err)
+{
+    *out = NULL;
+    glint_film *f = calloc(1, sizeof *f);
+    if (!f)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a film");
+    const bool aovs = glint_plan_has(plan, GLINT_PASS_AOVS);
+    const bool coverage = glint_plan_has(plan, GLINT_PASS_COVERAGE);
+    f->columns = (job->region[2] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
+    f->rows = (job->region[3] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
+    f->tile_words = (GK_PLANES_BASE + (aovs ? GK_PLANES_AOV : 0)) * GK_TILE_PIXELS;
+    f->tile_slots = coverage ? (job->matte_slots + 1) * GK_TILE_PIXELS : 0;
+    const size_t largest = f->tile_slots * (size_t)8 > f->tile_words * (size_t)4 ? f->tile_slots * (size_t)8
+                                                                                 : f->tile_words * (size_t)4;
+    const uint32_t tiles = f->columns * f->rows;
+    f->tiles_per_buffer = (uint32_t)(BUFFER_BYTES / largest);
+    f->buffers = (tiles + f->tiles_per_buffer - 1) / f->tiles_per_buffer;
+    f->planes = calloc(f->buffers, sizeof *f->planes);
+    f->tables = calloc(f->buffers, sizeof *f->tables);
+    f->tile = calloc(tiles, sizeof *f->tile);
+    pthread_mutex_init(&f->mutex, NULL);
+    pthread_cond_init(&f->released, NULL);
+    glint_status st = f->planes && f->tables && f->tile
+                          ? allocate(f, devices, tiles, err)
+                          : glint_fail(err, GLINT_E_NOMEM, "/resolution", "no memory for %u tiles", tiles);
+    if (st) {
+        glint_film_destroy(&f);
+        return st;
+    }
+    if (aovs)
+        clear_depths(f, tiles);
+    *out = f;
+    return GLINT_OK;
+}
+
+void glint_film_destroy(glint_film **film)
+{
+    glint_film *f = *film;
+    *film = NULL;
+    if (!f)
+        return;
+    for (uint32_t b = 0; b < f->buffers; b++) {
+        if (f->planes)
+            glint_buffer_destroy(&f->planes[b]);
+        if (f->tables)
+            glint_buffer_destroy(&f->tables[b]);
+    }
+    free(f->planes);
+    free(f->tables);
+    free(f->tile);
+    pthread_cond_destroy(&f->released);
+    pthread_mutex_destroy(&f->mutex);
+    free(f);
+}
+
+uint32_t glint_film_columns(const glint_film *f)
+{
+    return f->columns;
+}
+
+uint32_t glint_film_rows(const glint_film *f)
+{
+    return f->rows;
+}
+
+void glint_film_tile(const glint_film *f, uint32_t tile, struct glint_film_tile *out)
+{
+    const uint32_t b = tile / f->tiles_per_buffer, i = tile % f->tiles_per_buffer;
+    out->planes = f->planes[b];
+    out->planes_offset = i * f->tile_words;
+    out->tables = f->tables[b];
+    out->tables_offset = i * f->tile_slots;
+}
+
+void glint_film_hold(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h)
+{
+    const uint32_t right = smaller(column + w, f->columns), bottom = smaller(row + h, f->rows);
+    pthread_mutex_lock(&f->mutex);
+    for (uint32_t y = row; y < bottom; y++)
+        for (uint32_t x = column; x < right; x++) {
+            struct tile *t = &f->tile[y * f->columns + x];
+            while (t->readers)
+                pthread_cond_wait(&f->released, &f->mutex);
+            t->held = true;
+        }
+    pthread_mutex_unlock(&f->mutex);
+}
+
+void glint_film_release(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h, uint32_t samples)
+{
+    const uint32_t right = smaller(column + w, f->columns), bottom = smaller(row + h, f->rows);
+    pthread_mutex_lock(&f->mutex);
+    f->sequence += samples > 0;
+    for (uint32_t y = row; y < bottom; y++)
+        for (uint32_t x = column; x < right; x++) {
+            struct tile *t = &f->tile[y * f->columns + x];
+            t->held = false;
+            if (samples) {
+                t->samples = samples;
+                t->version = f->sequence;
+            }
+        }
+    pthread_cond_broadcast(&f->released);
+    pthread_mutex_unlock(&f->mutex);
+}
+
+uint32_t glint_film_read_begin(glint_film *f, uint32_t tile)
+{
+    pthread_mutex_lock(&f->mutex);
+    while (f->tile[tile].held)
+        pthread_cond_wait(&f->released, &f->mutex);
+    f->tile[tile].readers++;
+    const uint32_t samples = f->tile[tile].samples;
+    pthread_mutex_unlock(&f->mutex);
+    return samples;
+}
+
+void glint_film_read_end(glint_film *f, uint32_t tile)
+{
+    pthread_mutex_lock(&f->mutex);
+    f->tile[tile].readers--;
+    pthread_cond_broadcast(&f->released);
+    pthread_mutex_unlock(&f->mutex);
+}
+
+uint32_t glint_film_samples(glint_film *f, uint32_t tile)
+{
+    pthread_mutex_lock(&f->mutex);
+    const uint32_t samples = f->tile[tile].samples;
+    pthread_mutex_unlock(&f->mutex);
+    return samples;
+}
+
+uint64_t glint_film_version(glint_film *f, uint32_t tile)
+{
+    pthread_mutex_lock(&f->mutex);
+    const uint64_t version = f->tile[tile].version;
+    pthread_mutex_unlock(&f->mutex);
+    return version;
+}

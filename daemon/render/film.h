@@ -1,0 +1,48 @@
+// film.h - the accumulated pixels of one job, in tiles of 16x16.
+//
+// A tile is held by one worker while a slice renders into it, or read by any number of readers, or
+// free. Nobody waits for a render but a reader, and that for at most one slice.
+//
+// Threads: hold/release by whoever hands out slices; read by any thread.
+#ifndef GLINT_RENDER_FILM_H
+#define GLINT_RENDER_FILM_H
+
+#include "device/device.h"
+#include "protocol/job.h"
+#include "render/plan.h"
+
+typedef struct glint_film glint_film;
+
+// Where a tile's planes and slot tables lie.
+struct glint_film_tile {
+    glint_buffer *planes;
+    uint32_t planes_offset; // words
+    glint_buffer *tables;   // NULL without ID coverage
+    uint32_t tables_offset; // slots
+};
+
+// Region and slots come from the job, planes from the plan.
+glint_status glint_film_create(glint_film **out, glint_devices *devices, const struct glint_plan *plan,
+                               const struct glint_job *job, struct glint_error *err);
+void glint_film_destroy(glint_film **film);
+
+uint32_t glint_film_columns(const glint_film *film); // tiles in a row
+uint32_t glint_film_rows(const glint_film *film);
+void glint_film_tile(const glint_film *film, uint32_t tile, struct glint_film_tile *out);
+
+// Takes the tiles [column, column + w) x [row, row + h), clipped to the film; none may be held. Waits
+// for readers, who finish in microseconds.
+void glint_film_hold(glint_film *film, uint32_t column, uint32_t row, uint32_t w, uint32_t h);
+// Gives them back; with samples > 0 they now have that many.
+void glint_film_release(glint_film *film, uint32_t column, uint32_t row, uint32_t w, uint32_t h,
+                        uint32_t samples);
+
+// Locks a tile for reading: waits while it is held. Returns its number of samples.
+uint32_t glint_film_read_begin(glint_film *film, uint32_t tile);
+void glint_film_read_end(glint_film *film, uint32_t tile);
+
+uint32_t glint_film_samples(glint_film *film, uint32_t tile);
+// Grows with every release that added samples; 0 before the first.
+uint64_t glint_film_version(glint_film *film, uint32_t tile);
+
+#endif

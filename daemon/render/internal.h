@@ -1,0 +1,63 @@
+// internal.h - the inside of a render, shared by the files that schedule, resolve and describe it.
+#ifndef GLINT_RENDER_INTERNAL_H
+#define GLINT_RENDER_INTERNAL_H
+
+#include "kernels/gk_frame.h"
+#include "render/estimate.h"
+#include "render/film.h"
+#include "render/render.h"
+#include "render/wave.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+#define GLINT_CURVE_POINTS 25 // powers of two up to GLINT_MAX_SAMPLES
+
+// The samples being given out: [sample, sample + samples) of every pixel, in blocks of
+// 2^tiles_log2 film tiles a side.
+struct glint_pass_state {
+    uint32_t sample, samples, tiles_log2;
+    uint32_t blocks_wide, blocks; // of the whole film
+    uint32_t next;                // block not given out yet
+    uint32_t done;                // blocks given back
+    uint32_t *redo;               // [blocks of the finest pass]: returned without being run
+    uint32_t redos;
+};
+
+struct glint_render {
+    struct glint_devices *devices;
+    glint_resident *scene; // retained
+    struct glint_job job;  // a copy that borrows the strings
+    char *name;
+    struct glint_camera camera;
+    struct glint_plan plan;
+    glint_program *program;
+    glint_buffer *frame;
+    struct glint_wave_job wave_job;
+    glint_film *film;
+    glint_wave **wave; // [workers], each made and used by its worker alone
+    _Atomic(double) *tile_error; // [film tiles], sums over the pixels of v/(m^2+0.01)
+
+    pthread_mutex_t mutex; // guards what follows
+    struct glint_pass_state pass;
+    uint32_t target;   // samples
+    bool stopped;      // by error
+    struct glint_wave_stats stats; // of all workers, added as slices come back
+    double worker_seconds;
+    struct glint_convergence_point curve[GLINT_CURVE_POINTS];
+    uint32_t points;
+};
+
+// As glint_render_create(), with rows of the effects table forced on: for tests and benches.
+glint_status glint_render_create_forced(glint_render **out, struct glint_devices *devices,
+                                        struct glint_resident *scene, const struct glint_job *job,
+                                        uint64_t force, struct glint_error *err);
+
+// Fills the frame constants from the camera, the job and the scene's lighting.
+void glint_render_constants(const struct glint_render *r, struct gk_frame *out);
+
+// worldToCamera and worldToNDC of CONVENTIONS b, row-major.
+void glint_render_matrices(const struct glint_render *r, float world_to_camera[16],
+                           float world_to_ndc[16]);
+
+#endif

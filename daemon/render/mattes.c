@@ -1,0 +1,178 @@
+// mattes.c - totals of every name, and the union matte of some.
+#include "kernels/gk_film.h"
+#include "kernels/gk_matte.h"
+#include "render/internal.h"
+#include "render/ranking.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static bool has_coverage(const struct glint_render *r)
+{
+    return glint_plan_has(&r->plan, GLINT_PASS_COVERAGE);
+}
+
+static glint_status no_coverage(struct glint_error *err)
+{
+    return glint_fail(err, GLINT_E_NOT_FOUND, "/layer", "the job has no Cryptomatte output");
+}
+
+// A tile's slot tables while they are locked.
+struct tables {
+    const uint64_t *table; // [256][slots + 1]
+    uint32_t x, y;         // of the tile in the region
+    uint32_t w, h;         // of it inside the region
+    uint32_t samples;
+};
+
+typedef void visit_tables(const struct glint_render *r, const struct tables *t, void *user);
+
+static void each_tile(struct glint_render *r, visit_tables *visit, void *user)
+{
+    const uint32_t columns = glint_film_columns(r->film), rows = glint_film_rows(r->film);
+    for (uint32_t tile = 0; tile < columns * rows; tile++) {
+        struct glint_film_tile at;
+        struct tables t = {.x = tile % columns * GK_TILE_SIDE, .y = tile / columns * GK_TILE_SIDE};
+        glint_film_tile(r->film, tile, &at);
+        t.table = (const uint64_t *)glint_buffer_host(at.tables) + at.tables_offset;
+        t.w = r->job.region[2] - t.x < GK_TILE_SIDE ? r->job.region[2] - t.x : GK_TILE_SIDE;
+        t.h = r->job.region[3] - t.y < GK_TILE_SIDE ? r->job.region[3] - t.y : GK_TILE_SIDE;
+        t.samples = glint_film_read_begin(r->film, tile);
+        if (t.samples)
+            visit(r, &t, user);
+        glint_film_read_end(r->film, tile);
+    }
+}
+
+struct totals {
+    double *key; // [mattes], pixels
+    double lost;
+};
+
+static void add_totals(const struct glint_render *r, const struct tables *t, void *user)
+{
+    struct totals *sum = user;
+    const uint32_t slots = r->job.matte_slots;
+    const double unit = 1.0 / ((double)GK_MATTE_ONE * t->samples);
+    for (uint32_t y = 0; y < t->h; y++)
+        for (uint32_t x = 0; x < t->w; x++) {
+            const uint64_t *table = t->table + (size_t)(y * GK_TILE_SIDE + x) * (slots + 1);
+            for (uint32_t s = 0; s < slots; s++)
+                sum->key[gk_matte_key(table[s])] += (double)gk_matte_amount(table[s]) * unit;
+            sum->lost += (double)table[slots] * unit;
+        }
+}
+
+static int by_name(const void *a, const void *b)
+{
+    const struct glint_matte_total *p = a, *q = b;
+    return strcmp(p->name, q->name);
+}
+
+// Names of the layer with the coverage of their keys; equal names become one. Returns their number.
+static size_t collect(const struct glint_resident *scene, enum glint_matte_layer layer, const double *key,
+                      struct glint_matte_total *out)
+{
+    const struct glint_matte_key *keys;
+    const uint32_t n = glint_resident_mattes(scene, &keys);
+    size_t count = 0, kept = 0;
+    for (uint32_t k = 2; k < n; k++)
+        if (keys[k].id[layer])
+            out[count++] = (struct glint_matte_total){keys[k].name[layer], keys[k].id[layer], key[k]};
+    qsort(out, count, sizeof *out, by_name);
+    for (size_t i = 0; i < count; i++) {
+        if (kept && strcmp(out[kept - 1].name, out[i].name) == 0)
+            out[kept - 1].coverage += out[i].coverage;
+        else
+            out[kept++] = out[i];
+    }
+    return kept;
+}
+
+glint_status glint_render_mattes(glint_render *r, enum glint_matte_layer layer, struct glint_matte_total **out,
+                                 size_t *count, double *lost, struct glint_error *err)
+{
+    *out = NULL;
+    *count = 0;
+    if (!has_coverage(r))
+        return no_coverage(err);
+    const struct glint_matte_key *keys;
+    const uint32_t n = glint_resident_mattes(r->scene, &keys);
+    struct totals sum = {calloc(n, sizeof *sum.key), 0.0};
+    struct glint_matte_total *list = malloc(n * sizeof *list);
+    if (!sum.key || !list) {
+        free(sum.key);
+        free(list);
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u mattes", n);
+    }
+    each_tile(r, add_totals, &sum);
+    *count = collect(r->scene, layer, sum.key, list);
+    *lost = sum.lost;
+    *out = list;
+    free(sum.key);
+    return GLINT_OK;
+}
+
+struct selection {
+    const bool *key; // [mattes]
+    float *plane;
+};
+
+static void add_selected(const struct glint_render *r, const struct tables *t, void *user)
+{
+    const struct selection *of = user;
+    const uint32_t slots = r->job.matte_slots;
+    for (uint32_t y = 0; y < t->h; y++)
+        for (uint32_t x = 0; x < t->w; x++) {
+            const uint64_t *table = t->table + (size_t)(y * GK_TILE_SIDE + x) * (slots + 1);
+            uint64_t amount = 0;
+            for (uint32_t s = 0; s < slots; s++)
+                amount += of->key[gk_matte_key(table[s])] ? gk_matte_amount(table[s]) : 0;
+            of->plane[(size_t)(t->y + y) * r->job.region[2] + t->x + x] =
+                (float)((double)amount / ((double)GK_MATTE_ONE * t->samples));
+        }
+}
+
+static glint_status select_names(const struct glint_resident *scene, enum glint_matte_layer layer,
+                                 const char *const *names, size_t count, bool *selected, struct glint_error *err)
+{
+    const struct glint_matte_key *keys;
+    const uint32_t n = glint_resident_mattes(scene, &keys);
+    glint_status st = GLINT_OK;
+    for (size_t i = 0; i < count; i++) {
+        bool found = false;
+        for (uint32_t k = 2; k < n; k++)
+            if (keys[k].id[layer] && strcmp(keys[k].name[layer], names[i]) == 0)
+                found = selected[k] = true;
+        if (!found)
+            st = glint_fail(err, GLINT_E_NOT_FOUND, "/name", "no %s is named \"%s\"",
+                            glint_render_matte_type(layer), names[i]);
+    }
+    return st;
+}
+
+glint_status glint_render_matte(glint_render *r, enum glint_matte_layer layer, const char *const *names, size_t count,
+                                struct glint_frame **out, struct glint_error *err)
+{
+    *out = NULL;
+    if (!has_coverage(r))
+        return no_coverage(err);
+    const struct glint_matte_key *keys;
+    bool *selected = calloc(glint_resident_mattes(r->scene, &keys), sizeof *selected);
+    if (!selected)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a matte");
+    const uint32_t *region = r->job.region;
+    glint_status st = select_names(r->scene, layer, names, count, selected, err);
+    if (!st)
+        st = glint_frame_create(out, r->job.width, r->job.height, (int32_t)region[0], (int32_t)region[1], region[2],
+                                region[3], err);
+    struct selection of = {selected, st ? NULL : glint_frame_channel(*out, "A", GLINT_PIXEL_FLOAT)};
+    if (!st && !of.plane) {
+        st = glint_fail(err, GLINT_E_NOMEM, "", "no memory for a matte");
+        glint_frame_destroy(out);
+    }
+    if (!st)
+        each_tile(r, add_selected, &of);
+    free(selected);
+    return st;
+}

@@ -1,0 +1,100 @@
+#include "render/plan.h"
+
+#include "kernels/gk_film.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define PASSES_ALWAYS                                                                              \
+    (1u << GLINT_PASS_GENERATE | 1u << GLINT_PASS_TRACE | 1u << GLINT_PASS_SHADE                   \
+     | 1u << GLINT_PASS_COMPACT | 1u << GLINT_PASS_COLOUR)
+
+static void add_option(struct glint_plan *plan, const char *define)
+{
+    const size_t used = strlen(plan->options);
+    snprintf(plan->options + used, sizeof plan->options - used, "%s-D%s", used ? " " : "", define);
+}
+
+void glint_plan_make(struct glint_plan *out, const struct glint_effect_input *in, uint64_t force)
+{
+    memset(out, 0, sizeof *out);
+    out->called = glint_effects_called(in);
+    out->on = out->called | force;
+    out->passes = PASSES_ALWAYS;
+    out->film_bytes = GK_PLANES_BASE * 4;
+    for (size_t i = 0; i < glint_effect_count; i++) {
+        const struct glint_effect *e = &glint_effect_table[i];
+        if (!(out->on >> i & 1))
+            continue;
+        out->passes |= e->passes;
+        if (e->define)
+            add_option(out, e->define);
+        if (e->film_bytes)
+            out->film_bytes += e->film_bytes(in->job);
+    }
+}
+
+bool glint_plan_has(const struct glint_plan *plan, enum glint_pass pass)
+{
+    return plan->passes >> pass & 1;
+}
+
+static double total(const double *seconds)
+{
+    double sum = 0.0;
+    for (int p = 0; p < GLINT_PASSES; p++)
+        sum += seconds[p];
+    return sum;
+}
+
+static cJSON *describe_effect(const struct glint_plan *plan, const struct glint_job *job, size_t i,
+                              const double *seconds, uint64_t pixels)
+{
+    const struct glint_effect *e = &glint_effect_table[i];
+    const bool on = plan->on >> i & 1, called = plan->called >> i & 1;
+    char reason[256];
+    snprintf(reason, sizeof reason, "%s%s", called ? "called for by " : on ? "forced; not called for by " : "no ",
+             !called && !on && strncmp(e->cause, "a ", 2) == 0 ? e->cause + 2 : e->cause);
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "effect", e->name);
+    cJSON_AddBoolToObject(o, "on", on);
+    cJSON_AddStringToObject(o, "reason", reason);
+    cJSON_AddStringToObject(o, "source", e->source);
+    if (e->define)
+        cJSON_AddStringToObject(o, "define", e->define);
+    if (e->dial != GLINT_DIAL_COUNT)
+        cJSON_AddStringToObject(o, "dial", glint_dial_table[e->dial].name);
+    cJSON_AddNumberToObject(o, "bytes", on && e->film_bytes ? (double)(e->film_bytes(job) * pixels) : 0.0);
+    double own = 0.0;
+    for (int p = 0; p < GLINT_PASSES; p++)
+        own += e->passes >> p & 1 ? seconds[p] : 0.0;
+    if (e->passes && total(seconds) > 0.0)
+        cJSON_AddNumberToObject(o, "share", own / total(seconds));
+    return o;
+}
+
+cJSON *glint_plan_describe(const struct glint_plan *plan, const struct glint_job *job,
+                           const double *seconds, uint64_t pixels)
+{
+    cJSON *root = cJSON_CreateObject();
+    cJSON *effects = cJSON_AddArrayToObject(root, "effects");
+    for (size_t i = 0; i < glint_effect_count; i++)
+        cJSON_AddItemToArray(effects, describe_effect(plan, job, i, seconds, pixels));
+    cJSON *passes = cJSON_AddArrayToObject(root, "passes");
+    for (int p = 0; p < GLINT_PASSES; p++) {
+        if (!glint_plan_has(plan, p))
+            continue;
+        cJSON *o = cJSON_CreateObject();
+        cJSON_AddStringToObject(o, "pass", glint_pass_name[p]);
+        cJSON_AddNumberToObject(o, "seconds", seconds[p]);
+        cJSON_AddNumberToObject(o, "share", total(seconds) > 0.0 ? seconds[p] / total(seconds) : 0.0);
+        cJSON_AddItemToArray(passes, o);
+    }
+    cJSON *dials = cJSON_AddObjectToObject(root, "accuracy");
+    for (int d = 0; d < GLINT_DIAL_COUNT; d++)
+        cJSON_AddStringToObject(dials, glint_dial_table[d].name, glint_dial_table[d].setting[job->dial[d]]);
+    cJSON_AddStringToObject(root, "program", plan->options);
+    cJSON_AddNumberToObject(root, "film_bytes_per_pixel", (double)plan->film_bytes);
+    cJSON_AddNumberToObject(root, "film_bytes", (double)(plan->film_bytes * pixels));
+    return root;
+}

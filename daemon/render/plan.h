@@ -1,0 +1,28 @@
+// plan.h - what one job simulates: the rows of the effects table that are on, and all that follows.
+//
+// Thread-safety: made once, immutable afterwards.
+#ifndef GLINT_RENDER_PLAN_H
+#define GLINT_RENDER_PLAN_H
+
+#include "render/effects.h"
+
+#include <cjson/cJSON.h>
+
+struct glint_plan {
+    uint64_t called; // rows that scene and job call for
+    uint64_t on;     // those and the forced ones
+    uint32_t passes; // bits 1 << glint_pass
+    char options[1024]; // -D..., in table order: with the source, the key of the program variant
+    size_t film_bytes;  // per pixel
+};
+
+// force: rows to switch on although nothing calls for them (tests and benches).
+void glint_plan_make(struct glint_plan *out, const struct glint_effect_input *in, uint64_t force);
+
+bool glint_plan_has(const struct glint_plan *plan, enum glint_pass pass);
+
+// The plan as clients see it. seconds: [GLINT_PASSES] measured so far; pixels of the film.
+cJSON *glint_plan_describe(const struct glint_plan *plan, const struct glint_job *job,
+                           const double *seconds, uint64_t pixels);
+
+#endif

@@ -1,0 +1,173 @@
+// lights.c - the table of everything that next-event estimation can choose, and how often it does.
+#include "scene/alias.h"
+#include "scene/internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static double luminance(const float L[3])
+{
+    return 0.2126 * L[0] + 0.7152 * L[1] + 0.0722 * L[2];
+}
+
+static double light_area(const struct gk_light *l)
+{
+    double n[3];
+    for (int k = 0; k < 3; k++) {
+        const int a = (k + 1) % 3, b = (k + 2) % 3;
+        n[k] = (double)l->a[a] * l->b[b] - (double)l->a[b] * l->b[a];
+    }
+    return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+}
+
+// Mean of an emission texture, so that the choice of a light follows what it gives.
+static double texture_mean(const struct glint_resident *r, uint32_t texture)
+{
+    if (texture == GK_NONE)
+        return 1.0;
+    const struct gk_texture *t = (const struct gk_texture *)glint_buffer_host(r->texture) + texture;
+    const struct glint_image *image = &r->scene->image[t->image];
+    const float *decode = glint_buffer_host(r->decode);
+    const uint8_t *p = image->pixels;
+    const size_t n = (size_t)image->width * image->height;
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += 0.2126 * decode[p[4 * i]] + 0.7152 * decode[p[4 * i + 1]] + 0.0722 * decode[p[4 * i + 2]];
+    return sum / (double)n;
+}
+
+static uint32_t count_lights(const struct glint_resident *r)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < r->rows; i++)
+        n += r->row[i].emits ? glint_row_kept(r, &r->row[i])->triangles : 0;
+    for (uint32_t i = 0; i < r->scene->lights; i++)
+        n += r->scene->light[i].kind != GLINT_LIGHT_AREA;
+    return n;
+}
+
+static void triangle_light(const struct glint_resident *r, const struct glint_row *row, uint32_t index,
+                           struct gk_light *l)
+{
+    const struct glint_kept *k = glint_row_kept(r, row);
+    const struct gk_material *m = (const struct gk_material *)glint_buffer_host(r->material) + row->material;
+    const bool flip = glint_row_determinant(row) < 0.0;
+    float p[3][3];
+    for (int c = 0; c < 3; c++) {
+        double world[3];
+        glint_row_point(row, row->mesh->position + 3 * (size_t)k->index[3 * index + (flip && c ? 3 - c : c)],
+                        world);
+        for (int a = 0; a < 3; a++)
+            p[c][a] = (float)world[a];
+    }
+    memset(l, 0, sizeof *l);
+    for (int a = 0; a < 3; a++) {
+        l->p[a] = p[0][a];
+        l->a[a] = p[1][a] - p[0][a];
+        l->b[a] = p[2][a] - p[0][a];
+        l->L[a] = m->emission[a];
+    }
+    const bool two_sided = m->flags & GK_MATERIAL_TWO_SIDED_EMISSION;
+    l->kind = GK_LIGHT_TRIANGLE | (two_sided ? 1u << 4 : 0u);
+    l->triangle = row->triangle + index;
+    l->material = m->emission_texture != GK_NONE ? row->material : GK_NONE;
+}
+
+static void add_row(struct glint_resident *r, const struct glint_row *row, double *power)
+{
+    const struct glint_kept *k = glint_row_kept(r, row);
+    const struct gk_material *m = (const struct gk_material *)glint_buffer_host(r->material) + row->material;
+    const double mean = luminance(m->emission) * texture_mean(r, m->emission_texture);
+    struct gk_light *table = glint_buffer_host(r->light);
+    struct gk_triangle *record = (struct gk_triangle *)glint_buffer_host(r->triangle) + row->triangle;
+    for (uint32_t i = 0; i < k->triangles; i++) {
+        struct gk_light *l = &table[r->lights];
+        triangle_light(r, row, i, l);
+        const double sides = l->kind >> 4 ? 2.0 : 1.0;
+        power[r->lights] = M_PI * mean * light_area(l) * sides;
+        if (power[r->lights] > 0.0)
+            record[i].light = r->lights++;
+    }
+}
+
+// Radiant power that a light sends into the scene.
+static double punctual_power(const struct glint_resident *r, const struct glint_light *from,
+                             const struct gk_light *l)
+{
+    const double Y = luminance(l->L);
+    if (from->kind == GLINT_LIGHT_SUN)
+        return Y * M_PI * fmax(r->radius * r->radius, 1e-30);
+    if (from->kind == GLINT_LIGHT_SPOT)
+        return Y * 2.0 * M_PI * (1.0 - 0.5 * (cos(from->inner_cone) + cos(from->outer_cone)));
+    return Y * 4.0 * M_PI;
+}
+
+// KHR_lights_punctual: falloff ((cos a - cos outer) / max(1e-3, cos inner - cos outer))^2, clamped.
+static void cone(const struct glint_light *from, struct gk_light *l)
+{
+    const bool spot = from->kind == GLINT_LIGHT_SPOT;
+    const double outer = spot ? cos(from->outer_cone) : -2.0;
+    const double inner = spot ? cos(from->inner_cone) : -1.0;
+    l->b[0] = (float)outer;
+    l->b[1] = (float)(1.0 / fmax(1e-3, inner - outer));
+}
+
+static void add_punctual(struct glint_resident *r, const struct glint_light *from, double *power)
+{
+    struct gk_light *l = (struct gk_light *)glint_buffer_host(r->light) + r->lights;
+    memset(l, 0, sizeof *l);
+    const float *t = from->transform;
+    const double length = sqrt((double)t[8] * t[8] + (double)t[9] * t[9] + (double)t[10] * t[10]);
+    for (int k = 0; k < 3; k++) {
+        const double back = length > 0.0 ? t[8 + k] / length : 0.0; // +z, against the beam
+        l->p[k] = from->kind == GLINT_LIGHT_SUN ? (float)back : (float)(t[12 + k] - r->centre[k]);
+        l->a[k] = from->kind == GLINT_LIGHT_SPOT ? (float)-back : 0.0f;
+        l->L[k] = from->color[k] * from->intensity;
+    }
+    cone(from, l);
+    l->kind = from->kind == GLINT_LIGHT_SUN ? GK_LIGHT_SUN : GK_LIGHT_POINT;
+    l->triangle = l->material = GK_NONE;
+    power[r->lights] = punctual_power(r, from, l);
+    r->lights += power[r->lights] > 0.0;
+}
+
+static glint_status choose_by(struct glint_resident *r, const double *power, struct glint_error *err)
+{
+    struct gk_alias *alias = glint_buffer_host(r->alias);
+    struct gk_light *light = glint_buffer_host(r->light);
+    double total = 0.0;
+    for (uint32_t i = 0; i < r->lights; i++)
+        total += power[i];
+    for (uint32_t i = 0; i < r->lights; i++)
+        light[i].choice = (float)(power[i] / total);
+    if (r->lights && !glint_alias_build(power, r->lights, &alias->keep, &alias->other, 2))
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the light table");
+    return GLINT_OK;
+}
+
+glint_status glint_resident_build_lights(struct glint_resident *r, struct glint_error *err)
+{
+    const uint32_t capacity = count_lights(r) + 1;
+    double *power = calloc(capacity, sizeof *power);
+    if (!power)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u lights", capacity);
+    glint_status st = glint_buffer_create(&r->light, r->devices,
+                                          (size_t)capacity * sizeof(struct gk_light), err);
+    if (!st)
+        st = glint_buffer_create(&r->alias, r->devices, (size_t)capacity * sizeof(struct gk_alias), err);
+    if (!st) {
+        for (uint32_t i = 0; i < r->rows; i++)
+            if (r->row[i].emits)
+                add_row(r, &r->row[i], power);
+        for (uint32_t i = 0; i < r->scene->lights; i++)
+            if (r->scene->light[i].kind != GLINT_LIGHT_AREA)
+                add_punctual(r, &r->scene->light[i], power);
+        st = choose_by(r, power, err);
+    }
+    free(power);
+    r->facts.light_table = r->lights > 0;
+    r->lighting.lights = r->lights;
+    r->stats.lights = r->lights;
+    return st;
+}

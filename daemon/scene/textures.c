@@ -1,0 +1,195 @@
+// textures.c - images as tiled texels in pools, and a record for each way of using one.
+#define GK_TEXTURE_POOLS 4 // the host looks into all of them
+#include "kernels/gk_texture.h"
+#include "scene/internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define POOLS 4
+#define POOL_TEXELS ((1u << 28) - 64u) // just under 1 GiB
+
+// Where an image's texels lie.
+struct spot {
+    uint32_t pool, offset, tiles;
+    bool used;
+};
+
+static size_t tiled_texels(const struct glint_image *image)
+{
+    return (size_t)((image->width + 7) / 8) * ((image->height + 7) / 8) * 64;
+}
+
+static const struct glint_texture *use_of(const struct glint_material *m, int use)
+{
+    const struct glint_texture *t[4] = {&m->base_color_texture, &m->metallic_roughness_texture,
+                                        &m->normal_texture, &m->emission_texture};
+    return t[use];
+}
+
+static bool use_is_srgb(int use)
+{
+    return use == 0 || use == 3;
+}
+
+static uint32_t flags_of(const struct glint_texture *use, bool srgb)
+{
+    return (uint32_t)use->wrap_u | (uint32_t)use->wrap_v << 2 | (srgb ? GK_TEXTURE_SRGB : 0u);
+}
+
+// Finds room for every image that a material uses.
+static glint_status place_images(const struct glint_resident *r, struct spot *spot, size_t used[POOLS],
+                                 struct glint_error *err)
+{
+    uint32_t pool = 0;
+    for (uint32_t i = 0; i < r->scene->images; i++) {
+        const struct glint_image *image = &r->scene->image[i];
+        if (!spot[i].used)
+            continue;
+        const size_t texels = tiled_texels(image);
+        if (used[pool] + texels > POOL_TEXELS)
+            pool++;
+        if (pool == POOLS || texels > POOL_TEXELS)
+            return glint_fail(err, GLINT_E_CAPACITY, "/images", "textures exceed %u pools of 1 GiB",
+                              POOLS);
+        spot[i].pool = pool;
+        spot[i].offset = (uint32_t)used[pool];
+        spot[i].tiles = (image->width + 7) / 8;
+        used[pool] += texels;
+    }
+    return GLINT_OK;
+}
+
+static void tile_image(uint32_t *out, const struct glint_image *image)
+{
+    const uint32_t tiles = (image->width + 7) / 8;
+    for (uint32_t y = 0; y < image->height; y++)
+        for (uint32_t x = 0; x < image->width; x++) {
+            const size_t tile = (size_t)(y / 8) * tiles + x / 8;
+            memcpy(&out[tile * 64 + (y % 8) * 8 + x % 8],
+                   (const uint8_t *)image->pixels + 4 * ((size_t)y * image->width + x), 4);
+        }
+}
+
+static void fill_decode(float *table)
+{
+    for (int i = 0; i < 256; i++) {
+        const double c = i / 255.0;
+        table[i] = (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
+        table[256 + i] = (float)c;
+    }
+}
+
+static uint32_t find_record(const struct gk_texture *t, uint32_t n, const struct gk_texture *wanted)
+{
+    for (uint32_t i = 0; i < n; i++)
+        if (memcmp(&t[i], wanted, sizeof *wanted) == 0)
+            return i;
+    return n;
+}
+
+static struct gk_texture record_of(const struct glint_resident *r, const struct spot *spot,
+                                   const struct glint_texture *use, bool srgb)
+{
+    const struct glint_image *image = &r->scene->image[use->image];
+    return (struct gk_texture){spot[use->image].offset, spot[use->image].pool, image->width,
+                               image->height, spot[use->image].tiles, flags_of(use, srgb), use->image, 0};
+}
+
+static void add_records(struct glint_resident *r, const struct spot *spot)
+{
+    struct gk_texture *t = glint_buffer_host(r->texture);
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < r->scene->materials; i++)
+        for (int use = 0; use < 4; use++) {
+            const struct glint_texture *of = use_of(&r->scene->material[i], use);
+            if (of->image == GLINT_NONE)
+                continue;
+            const struct gk_texture wanted = record_of(r, spot, of, use_is_srgb(use));
+            if (find_record(t, n, &wanted) == n)
+                t[n++] = wanted;
+        }
+    if (n == 0) // what a kernel reads when it has no texture
+        t[0] = (struct gk_texture){.width = 1, .height = 1, .tiles = 1};
+}
+
+static glint_status mark_used(const struct glint_resident *r, struct spot *spot, struct glint_error *err)
+{
+    glint_status st = GLINT_OK;
+    for (uint32_t i = 0; i < r->scene->materials; i++)
+        for (int use = 0; use < 4; use++) {
+            const uint32_t image = use_of(&r->scene->material[i], use)->image;
+            if (image == GLINT_NONE || spot[image].used)
+                continue;
+            spot[image].used = true;
+            if (r->scene->image[image].format != GLINT_IMAGE_RGBA8)
+                st = glint_fail(err, GLINT_E_RANGE, "/images",
+                                "image \"%s\" has half floats: only the environment reads those",
+                                r->scene->image[image].id);
+        }
+    return st;
+}
+
+static glint_status fill_pools(struct glint_resident *r, const struct spot *spot,
+                               const size_t used[POOLS], struct glint_error *err)
+{
+    glint_status st = GLINT_OK;
+    for (int p = 0; !st && p < POOLS; p++) {
+        st = glint_buffer_create(&r->pool[p], r->devices, (used[p] ? used[p] : 64) * 4, err);
+        r->pools += used[p] > 0;
+        r->stats.texture_bytes += used[p] * 4;
+    }
+    for (uint32_t i = 0; !st && i < r->scene->images; i++)
+        if (spot[i].used)
+            tile_image((uint32_t *)glint_buffer_host(r->pool[spot[i].pool]) + spot[i].offset,
+                       &r->scene->image[i]);
+    r->facts.texture_pools = r->pools ? r->pools : 1;
+    return st;
+}
+
+glint_status glint_resident_build_textures(struct glint_resident *r, struct glint_error *err)
+{
+    struct spot *spot = calloc((size_t)r->scene->images + 1, sizeof *spot);
+    if (!spot)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u images", r->scene->images);
+    size_t used[POOLS] = {0};
+    const size_t records = (size_t)r->scene->materials * 4 + 1;
+    glint_status st = mark_used(r, spot, err);
+    if (!st)
+        st = place_images(r, spot, used, err);
+    if (!st)
+        st = glint_buffer_create(&r->texture, r->devices, records * sizeof(struct gk_texture), err);
+    if (!st)
+        st = glint_buffer_create(&r->decode, r->devices, 512 * sizeof(float), err);
+    if (!st)
+        st = fill_pools(r, spot, used, err);
+    if (!st) {
+        fill_decode(glint_buffer_host(r->decode));
+        add_records(r, spot);
+    }
+    free(spot);
+    return st;
+}
+
+uint32_t glint_resident_texture(const struct glint_resident *r, const struct glint_texture *use, bool srgb)
+{
+    if (use->image == GLINT_NONE)
+        return GK_NONE;
+    const struct gk_texture *t = glint_buffer_host(r->texture);
+    const uint32_t flags = flags_of(use, srgb);
+    uint32_t i = 0;
+    while (t[i].image != use->image || t[i].flags != flags)
+        i++; // glint_resident_build_textures() has made one for every use
+    return i;
+}
+
+float glint_texture_alpha(const struct glint_resident *r, uint32_t texture, float u, float v)
+{
+    const uint32_t *pool[POOLS];
+    for (int p = 0; p < POOLS; p++)
+        pool[p] = glint_buffer_host(r->pool[p]);
+    const struct gk_texture_pools pools = {glint_buffer_host(r->texture), pool[0], pool[1],
+                                           pool[2], pool[3], glint_buffer_host(r->decode)};
+    return gk_texture_fetch(&pools, texture, u, v).a;
+}

@@ -1,0 +1,42 @@
+// film.cl - one sample of every pixel of one tile goes into the film.
+#include "kernels/gk_film.h"
+#include "kernels/gk_wave.h"
+
+// One item per pixel. lane: that of the tile's first pixel; film: planes of the tile, from `offset`
+// words on; `half_index` 0 or 1.
+__kernel void accumulate_colour(const __global float *restrict wave, const gk_u32 stride,
+                                const gk_u32 lane, __global float *restrict film,
+                                const gk_u32 offset, const gk_u32 half_index)
+{
+    const gk_u32 i = (gk_u32)get_global_id(0);
+    const gk_f32 r = GK_LOAD(GK_COL_LR, lane + i), g = GK_LOAD(GK_COL_LG, lane + i),
+                 b = GK_LOAD(GK_COL_LB, lane + i);
+    const gk_i32 finite = gk_isfinite(r) && gk_isfinite(g) && gk_isfinite(b);
+    __global float *tile = film + offset;
+    __global float *colour = tile + (GK_PLANE_COLOUR + half_index * 6u) * GK_TILE_PIXELS;
+    gk_film_add(colour, i, finite ? r : 0.0f);
+    gk_film_add(colour + 2 * GK_TILE_PIXELS, i, finite ? g : 0.0f);
+    gk_film_add(colour + 4 * GK_TILE_PIXELS, i, finite ? b : 0.0f);
+    __global gk_u32 *hits = (__global gk_u32 *)tile + GK_PLANE_HITS * GK_TILE_PIXELS;
+    __global gk_u32 *rejected = (__global gk_u32 *)tile + GK_PLANE_REJECTED * GK_TILE_PIXELS;
+    hits[i] += GK_LOAD_U32(GK_COL_KEY, lane + i) != GK_MATTE_BACKGROUND ? 1u : 0u;
+    rejected[i] += finite ? 0u : 1u;
+}
+
+#ifdef GK_AOVS
+__kernel void accumulate_aovs(const __global float *restrict wave, const gk_u32 stride,
+                              const gk_u32 lane, __global float *restrict film, const gk_u32 offset)
+{
+    const gk_u32 i = (gk_u32)get_global_id(0);
+    __global float *tile = film + offset + GK_PLANES_BASE * GK_TILE_PIXELS;
+    tile[i] = gk_min(tile[i], GK_LOAD(GK_COL_Z, lane + i));
+    __global float *normal = tile + GK_AOV_NORMAL * GK_TILE_PIXELS;
+    gk_film_add(normal, i, GK_LOAD(GK_COL_FNX, lane + i));
+    gk_film_add(normal + 2 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_FNY, lane + i));
+    gk_film_add(normal + 4 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_FNZ, lane + i));
+    __global float *albedo = tile + GK_AOV_ALBEDO * GK_TILE_PIXELS;
+    gk_film_add(albedo, i, GK_LOAD(GK_COL_AR, lane + i));
+    gk_film_add(albedo + 2 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_AG, lane + i));
+    gk_film_add(albedo + 4 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_AB, lane + i));
+}
+#endif

@@ -1,0 +1,35 @@
+// generate.cl - camera rays of a wave.
+#include "kernels/gk_camera.h"
+#include "kernels/gk_scene.h"
+#include "kernels/gk_wave.h"
+
+// One item per lane. Lanes outside the region get no ray.
+__kernel void generate_camera_rays(__global float *restrict wave, const gk_u32 stride,
+                                   const __global struct gk_frame *restrict frame,
+                                   const __global struct gk_wave_rect *restrict rect)
+{
+    const gk_u32 i = (gk_u32)get_global_id(0);
+    const struct gk_lane lane = gk_lane_at(rect, i, frame->seed);
+    const struct gk_ray ray = gk_camera_ray(frame, lane);
+    const gk_i32 inside = i < rect->lanes && lane.x < rect->x_end && lane.y < rect->y_end;
+
+    GK_STORE(GK_COL_OX, i, ray.o.x);
+    GK_STORE(GK_COL_OY, i, ray.o.y);
+    GK_STORE(GK_COL_OZ, i, ray.o.z);
+    GK_STORE(GK_COL_DX, i, ray.d.x);
+    GK_STORE(GK_COL_DY, i, ray.d.y);
+    GK_STORE(GK_COL_DZ, i, ray.d.z);
+    GK_STORE(GK_COL_T, i, inside ? GK_INFINITY : -GK_INFINITY);
+    GK_STORE(GK_COL_BETA_R, i, 1.0f);
+    GK_STORE(GK_COL_BETA_G, i, 1.0f);
+    GK_STORE(GK_COL_BETA_B, i, 1.0f);
+    GK_STORE(GK_COL_PDF, i, -1.0f);
+    GK_STORE_U32(GK_COL_LANE, i, i);
+    GK_STORE_U32(GK_COL_DEPTH, i, 0u);
+    GK_STORE_U32(GK_COL_GEOMETRY, i, GK_NONE);
+    GK_STORE_U32(GK_COL_INSTANCE, i, GK_NONE);
+    GK_STORE(GK_COL_LR, i, 0.0f);
+    GK_STORE(GK_COL_LG, i, 0.0f);
+    GK_STORE(GK_COL_LB, i, 0.0f);
+    GK_STORE_U32(GK_COL_KEY, i, GK_MATTE_BACKGROUND);
+}

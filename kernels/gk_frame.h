@@ -1,0 +1,44 @@
+// gk_frame.h - what holds for every sample of a job: one constant buffer.
+#ifndef GK_FRAME_H
+#define GK_FRAME_H
+
+#include "kernels/gk_types.h"
+
+struct gk_frame {
+    gk_f32 origin[3];  // of the camera, relative to the scene's centre
+    gk_f32 right[3];   // world vector across one pixel on the plane at distance 1
+    gk_f32 down[3];    // world vector down one pixel
+    gk_f32 corner[3];  // from the origin to the top left corner of the image on that plane
+    gk_f32 forward[3]; // unit view axis
+    gk_f32 lens_right[3], lens_up[3]; // scaled by the lens radius; 0: pinhole
+    gk_f32 focus;      // metres along `forward`
+    gk_u32 has_lens;
+    gk_u32 seed;
+    gk_u32 max_bounces;
+    gk_u32 roulette_start; // bounces before roulette; GK_NONE: never
+    gk_f32 filter_width;   // pixels, box
+    gk_u32 lights;         // entries of the light table
+    gk_f32 environment[3]; // constant radiance, or factor of the image
+    gk_u32 env_width, env_height, env_cell_width, env_cell_height;
+    gk_f32 env_cos, env_sin; // of its rotation
+    gk_f32 env_choice;       // probability that a light sample goes to the environment image
+    gk_u32 has_env_image; // else `environment` is the radiance everywhere
+    gk_u32 has_blackman_harris; // else the filter is a box
+    gk_u32 frame;
+    gk_f32 unused[3];
+};
+GK_LAYOUT(gk_frame, 176);
+
+// Where the lanes of one launch lie in the image.
+// A lane is sample * pixels + pixel; pixels are tiles of 16x16 side by side, row-major in a tile.
+struct gk_wave_rect {
+    gk_u32 x, y;              // first pixel in the display window
+    gk_u32 x_end, y_end;      // first pixel beyond the region
+    gk_u32 tiles_log2;        // log2 of the tiles in a row
+    gk_u32 pixels_log2;       // log2 of the pixels of one sample
+    gk_u32 sample;            // index of the first sample
+    gk_u32 lanes;
+};
+GK_LAYOUT(gk_wave_rect, 32);
+
+#endif

@@ -1,0 +1,162 @@
+// gk_hit.h - from what the tracer wrote to a point with normals and a surface.
+#ifndef GK_HIT_H
+#define GK_HIT_H
+
+#include "kernels/gk_bsdf.h"
+#include "kernels/gk_scene.h"
+#include "kernels/gk_texture.h"
+
+// The tables of a resident scene, as a kernel was given them.
+struct gk_resident {
+    const GK_GLOBAL struct gk_triangle *triangle;
+    const GK_GLOBAL struct gk_tangent *tangent;
+    const GK_GLOBAL struct gk_instance *instance;
+    const GK_GLOBAL struct gk_material *material;
+    struct gk_texture_pools textures;
+};
+
+// A hit as the tracer reports it.
+struct gk_raw_hit {
+    gk_u32 primitive, geometry, instance;
+    gk_f32 u, v;
+    struct gk_vec ng; // not normalised
+};
+
+struct gk_hit {
+    struct gk_vec ng, ns;  // unit, world, on the side that the ray came from
+    gk_f32 cos_g;          // of the ray with the front side's geometric normal, signed; > 0: back
+    gk_f32 tu, tv;         // texture coordinates
+    gk_u32 triangle;       // record
+    gk_u32 instance;       // row
+    gk_u32 material;
+};
+
+GK_INLINE struct gk_vec gk_interpolate3(const GK_GLOBAL gk_f32 *a, gk_f32 u, gk_f32 v)
+{
+    const gk_f32 w = 1.0f - u - v;
+    return gk_vec(w * a[0] + u * a[3] + v * a[6], w * a[1] + u * a[4] + v * a[7],
+                  w * a[2] + u * a[5] + v * a[8]);
+}
+
+GK_INLINE struct gk_vec gk_instance_normal(const GK_GLOBAL struct gk_instance *row, struct gk_vec n)
+{
+#ifdef GK_INSTANCES
+    const GK_GLOBAL gk_f32 *m = row->normal;
+    const struct gk_vec turned =
+        gk_vec(m[0] * n.x + m[1] * n.y + m[2] * n.z, m[3] * n.x + m[4] * n.y + m[5] * n.z,
+               m[6] * n.x + m[7] * n.y + m[8] * n.z);
+    return gk_vec_select(n, turned, (row->flags & GK_INSTANCE_TRANSFORMED) != 0u);
+#else
+    (void)row;
+    return n;
+#endif
+}
+
+#ifdef GK_NORMAL_MAPS
+// Shading normal from the normal map, in the frame of the interpolated tangents.
+GK_INLINE struct gk_vec gk_mapped_normal(const struct gk_resident *r, const struct gk_hit *hit,
+                                         gk_f32 u, gk_f32 v)
+{
+    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
+    const GK_GLOBAL gk_f32 *t = r->tangent[hit->triangle].tangent;
+    const gk_f32 w = 1.0f - u - v;
+    const struct gk_vec raw = gk_vec(w * t[0] + u * t[4] + v * t[8], w * t[1] + u * t[5] + v * t[9],
+                                     w * t[2] + u * t[6] + v * t[10]);
+    struct gk_vec tangent = gk_instance_normal(r->instance + hit->instance, raw);
+    tangent = gk_normalise(gk_along(tangent, hit->ns, -gk_dot(tangent, hit->ns)));
+    const struct gk_vec bitangent = gk_scale(gk_cross(hit->ns, tangent), t[3]);
+    const struct gk_texel n = gk_texture_fetch(&r->textures, m->normal_texture, hit->tu, hit->tv);
+    const struct gk_vec inner =
+        gk_vec((n.r * 2.0f - 1.0f) * m->normal_scale, (n.g * 2.0f - 1.0f) * m->normal_scale,
+               gk_max(n.b * 2.0f - 1.0f, 0.0f));
+    const struct gk_vec mapped = gk_normalise(gk_along(
+        gk_along(gk_scale(tangent, inner.x), bitangent, inner.y), hit->ns, inner.z));
+    const gk_i32 usable = m->normal_texture != GK_NONE && gk_dot(tangent, tangent) > 0.5f
+                          && gk_dot(mapped, mapped) > 0.5f;
+    return gk_vec_select(hit->ns, mapped, usable);
+}
+#endif
+
+// d: unit direction of the ray.
+GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw_hit raw,
+                                      struct gk_vec d)
+{
+    struct gk_hit hit;
+#ifdef GK_INSTANCES
+    hit.instance = raw.instance != GK_NONE ? raw.instance : raw.geometry;
+#else
+    hit.instance = raw.geometry;
+#endif
+    const GK_GLOBAL struct gk_instance *row = r->instance + hit.instance;
+    hit.triangle = row->triangle + raw.primitive;
+    hit.material = row->material;
+    const GK_GLOBAL struct gk_triangle *tri = r->triangle + hit.triangle;
+    const gk_f32 w = 1.0f - raw.u - raw.v;
+    hit.tu = w * tri->uv[0] + raw.u * tri->uv[2] + raw.v * tri->uv[4];
+    hit.tv = w * tri->uv[1] + raw.u * tri->uv[3] + raw.v * tri->uv[5];
+
+    const struct gk_vec front = gk_normalise(gk_instance_normal(row, raw.ng));
+    hit.cos_g = gk_dot(front, d);
+    hit.ng = gk_vec_select(front, gk_negate(front), hit.cos_g > 0.0f);
+    const struct gk_vec smooth = gk_interpolate3(tri->normal, raw.u, raw.v);
+    const gk_i32 flat = gk_dot(smooth, smooth) == 0.0f;
+    struct gk_vec ns = gk_normalise(gk_instance_normal(row, smooth));
+    ns = gk_vec_select(ns, hit.ng, flat);
+#ifdef GK_NORMAL_MAPS
+    // The map is made for the side that the normals point to; turn afterwards.
+    hit.ns = gk_vec_select(ns, front, flat);
+    ns = gk_mapped_normal(r, &hit, raw.u, raw.v);
+#endif
+    ns = gk_vec_select(ns, gk_negate(ns), gk_dot(ns, hit.ng) < 0.0f);
+    // Seen from beyond its horizon a shading normal has no meaning: the geometric one serves.
+    hit.ns = gk_vec_select(ns, hit.ng, gk_dot(ns, d) > -1e-4f);
+    return hit;
+}
+
+// Radiance that the hit emits towards the ray's origin.
+GK_INLINE struct gk_vec gk_hit_emission(const struct gk_resident *r, const struct gk_hit *hit)
+{
+    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
+    struct gk_vec L = gk_vec(m->emission[0], m->emission[1], m->emission[2]);
+#ifdef GK_TEXTURES
+    const struct gk_texel e = gk_texture_fetch(&r->textures, m->emission_texture, hit->tu, hit->tv);
+    L = gk_mul(L, gk_vec(e.r, e.g, e.b));
+#endif
+    const gk_i32 shows = hit->cos_g <= 0.0f || (m->flags & GK_MATERIAL_TWO_SIDED_EMISSION) != 0u;
+    return gk_vec_select(gk_splat(0.0f), L, shows);
+}
+
+// The surface at a hit, prepared for the direction back along the ray.
+GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const struct gk_hit *hit,
+                                           gk_f32 cos_o)
+{
+    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
+    struct gk_surface s;
+    s.base = gk_vec(m->base[0], m->base[1], m->base[2]);
+    s.metallic = m->metallic;
+    gk_f32 roughness = m->roughness;
+#ifdef GK_TEXTURES
+    const struct gk_texel base = gk_texture_fetch(&r->textures, m->base_texture, hit->tu, hit->tv);
+    const struct gk_texel rough =
+        gk_texture_fetch(&r->textures, m->rough_texture, hit->tu, hit->tv);
+    s.base = gk_mul(s.base, gk_vec(base.r, base.g, base.b));
+    s.metallic *= rough.b;
+    roughness *= rough.g;
+#endif
+    s.alpha = roughness * roughness;
+    s.fresnel_mean = m->fresnel_mean;
+#ifdef GK_TRANSMISSION
+    s.transmission = m->transmission;
+    s.thin = (m->flags & GK_MATERIAL_THIN) != 0u;
+    const gk_i32 leaving = hit->cos_g > 0.0f && s.transmission > 0.0f && !s.thin;
+    s.eta = leaving ? 1.0f / m->ior : m->ior;
+#else
+    s.transmission = 0.0f;
+    s.thin = 0;
+    s.eta = m->ior;
+#endif
+    gk_surface_prepare(&s, cos_o);
+    return s;
+}
+
+#endif

@@ -1,0 +1,123 @@
+// gk_light.h - next-event estimation: choosing a light, a point on it, and the pdf of both.
+//
+// One alias table holds all emitters but the environment image; a first random number splits
+// between the two. Everything is straight-line: kinds are told apart by selects.
+#ifndef GK_LIGHT_H
+#define GK_LIGHT_H
+
+#include "kernels/gk_environment.h"
+#include "kernels/gk_frame.h"
+#include "kernels/gk_sampler.h"
+#include "kernels/gk_scene.h"
+#include "kernels/gk_vec.h"
+
+struct gk_light_sample {
+    struct gk_vec wi;   // unit, towards the light
+    gk_f32 distance;    // to it, +inf for sun and environment; <= 0: nothing to be had
+    struct gk_vec L;    // radiance; of a delta light: its L over the probability, pdf is then 1
+    gk_f32 pdf;         // 1/sr, choice included
+    gk_i32 delta;       // no BSDF sample can hit it
+    gk_u32 triangle, material; // of a textured emitter, and where on it:
+    gk_f32 u, v;               // barycentrics of its second and third vertex
+};
+
+// Power heuristic for a sample taken with pdf a where the other technique has pdf b (Veach 1997,
+// Eq. 9.13 with beta = 2), formed from the ratio so that neither square overflows.
+GK_INLINE gk_f32 gk_mis_weight(gk_f32 a, gk_f32 b)
+{
+    const gk_f32 r = b / a;
+    return 1.0f / (1.0f + r * r);
+}
+
+// Bound on the error of a point computed as o + t d: 16 ulp of the coordinates and of t, in metres.
+GK_INLINE gk_f32 gk_point_error(struct gk_vec p, gk_f32 t)
+{
+    return (gk_abs(p.x) + gk_abs(p.y) + gk_abs(p.z) + t) * 1.9073486e-6f;
+}
+
+// Probability with which the table takes a light, `lights` of them.
+GK_INLINE gk_f32 gk_light_choice(const GK_GLOBAL struct gk_light *light, gk_u32 lights)
+{
+#ifdef GK_LIGHTS_UNIFORM
+    (void)light;
+    return 1.0f / (gk_f32)(gk_i32)lights;
+#else
+    (void)lights;
+    return light->choice;
+#endif
+}
+
+// Solid-angle pdf with which NEE would have taken the point on triangle light `light` that a ray
+// of length t hit under the cosine `cosine` (absolute); choice: probability of choosing it at all.
+GK_INLINE gk_f32 gk_triangle_light_pdf(const GK_GLOBAL struct gk_light *light, gk_f32 t,
+                                       gk_f32 cosine, gk_f32 choice)
+{
+    const struct gk_vec a = gk_vec(light->a[0], light->a[1], light->a[2]);
+    const struct gk_vec b = gk_vec(light->b[0], light->b[1], light->b[2]);
+    const struct gk_vec n = gk_cross(a, b);
+    const gk_f32 area = 0.5f * gk_sqrt(gk_dot(n, n));
+    return choice * t * t / (gk_max(cosine, 1e-7f) * area);
+}
+
+GK_INLINE gk_u32 gk_alias_choose(const GK_GLOBAL struct gk_alias *table, gk_u32 n, gk_f32 u, gk_f32 v)
+{
+    const gk_i32 slot = (gk_i32)(u * (gk_f32)(gk_i32)n);
+    const gk_u32 i = (gk_u32)gk_max_i32(gk_min_i32(slot, (gk_i32)n - 1), 0);
+#ifdef GK_LIGHTS_UNIFORM
+    (void)table;
+    (void)v;
+    return i;
+#else
+    return v < table[i].keep ? i : table[i].other;
+#endif
+}
+
+// A light of the table as seen from p, chosen with probability `choice`.
+GK_INLINE struct gk_light_sample gk_light_from_table(const GK_GLOBAL struct gk_light *light,
+                                                     struct gk_vec p, gk_f32 choice, gk_f32 u,
+                                                     gk_f32 v)
+{
+    struct gk_light_sample s;
+    const struct gk_vec position = gk_vec(light->p[0], light->p[1], light->p[2]);
+    const struct gk_vec a = gk_vec(light->a[0], light->a[1], light->a[2]);
+    const struct gk_vec b = gk_vec(light->b[0], light->b[1], light->b[2]);
+    const gk_u32 kind = light->kind & 15u;
+    s.L = gk_vec(light->L[0], light->L[1], light->L[2]);
+    s.triangle = light->triangle;
+    s.material = light->material;
+    s.delta = kind != GK_LIGHT_TRIANGLE;
+
+    // Uniform on the triangle by folding the unit square (Heitz 2019).
+    const gk_i32 upper = v > u;
+    const gk_f32 s1 = upper ? u * 0.5f : u - v * 0.5f;
+    const gk_f32 s2 = upper ? v - u * 0.5f : v * 0.5f;
+    s.u = s1;
+    s.v = s2;
+    const struct gk_vec normal = gk_cross(a, b);
+    const gk_f32 twice_area = gk_sqrt(gk_dot(normal, normal));
+    const struct gk_vec n = gk_scale(normal, 1.0f / gk_max(twice_area, 1e-37f));
+    const struct gk_vec point = gk_along(gk_along(position, a, s1), b, s2);
+    const gk_f32 side = gk_dot(gk_sub(p, point), n);
+    // Off the emitter by its own error bound, towards p, so that it does not shadow itself.
+    const gk_f32 lift = gk_point_error(point, 0.0f);
+    const struct gk_vec target =
+        gk_vec_select(gk_along(point, n, side < 0.0f ? -lift : lift), position, s.delta);
+
+    const struct gk_vec to = gk_sub(target, p);
+    const gk_f32 d2 = gk_max(gk_dot(to, to), 1e-37f);
+    const gk_f32 d = gk_sqrt(d2);
+    const gk_i32 sun = kind == GK_LIGHT_SUN;
+    s.wi = gk_vec_select(gk_scale(to, 1.0f / d), position, sun);
+    s.distance = sun ? GK_INFINITY : d;
+
+    const gk_f32 cosine = -gk_dot(s.wi, n);
+    const gk_i32 facing = cosine > 0.0f || (light->kind >> 4) != 0u;
+    const gk_f32 pdf = 2.0f * d2 / (gk_max(gk_abs(cosine), 1e-7f) * twice_area) * choice;
+    const gk_f32 cone = gk_clamp((-gk_dot(s.wi, a) - b.x) * b.y, 0.0f, 1.0f);
+    const gk_f32 falloff = sun ? 1.0f : cone * cone / d2;
+    s.pdf = s.delta ? 1.0f : pdf;
+    s.L = gk_scale(s.L, s.delta ? falloff / choice : facing ? 1.0f : 0.0f);
+    return s;
+}
+
+#endif

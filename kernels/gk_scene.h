@@ -1,0 +1,114 @@
+// gk_scene.h - a resident scene as kernels read it.
+//
+// Lengths are metres relative to the scene's own centre, directions are world space. All records
+// are immutable while a revision lives.
+#ifndef GK_SCENE_H
+#define GK_SCENE_H
+
+#include "kernels/gk_types.h"
+
+#define GK_NONE 0xffffffffu
+
+// Shading record of one triangle; its vertices are Embree's business.
+struct gk_triangle {
+    gk_f32 normal[9]; // at the three vertices, in the space of the mesh; all zero: flat
+    gk_f32 uv[6];
+    gk_u32 light;     // index of its gk_light, GK_NONE: not sampled
+};
+GK_LAYOUT(gk_triangle, 64);
+
+// Tangent-space records, present only under GK_NORMAL_MAPS; w is the sign of the bitangent.
+struct gk_tangent {
+    gk_f32 tangent[12]; // [3 vertices][4]
+};
+GK_LAYOUT(gk_tangent, 48);
+
+#define GK_INSTANCE_TRANSFORMED 1u // normals go through `normal`; else they are world space already
+
+struct gk_instance {
+    gk_u32 triangle; // first record of its mesh
+    gk_u32 material;
+    gk_u32 matte;    // index of its (object, material, asset); 1 is the background
+    gk_u32 flags;
+    gk_f32 normal[9]; // inverse transpose, row-major
+    gk_f32 unused[3];
+};
+GK_LAYOUT(gk_instance, 64);
+
+#define GK_MATERIAL_THIN 1u
+#define GK_MATERIAL_TWO_SIDED_EMISSION 2u
+
+struct gk_material {
+    gk_f32 base[3];
+    gk_f32 metallic;
+    gk_f32 emission[3]; // radiance
+    gk_f32 roughness;   // perceptual
+    gk_f32 ior;         // >= 1
+    gk_f32 transmission;
+    gk_f32 fresnel_mean; // hemispherical mean of the dielectric Fresnel reflectance from outside
+    gk_f32 normal_scale;
+    gk_f32 opacity, cutoff; // a hole where opacity x texture alpha < cutoff; cutoff 0: none
+    gk_u32 base_texture, rough_texture, normal_texture, emission_texture; // GK_NONE: none
+    gk_u32 flags;
+    gk_u32 unused[5];
+};
+GK_LAYOUT(gk_material, 96);
+
+#define GK_WRAP_REPEAT 0u
+#define GK_WRAP_CLAMP 1u
+#define GK_WRAP_MIRROR 2u
+#define GK_TEXTURE_SRGB 16u // flags: wrap_u | wrap_v << 2 | GK_TEXTURE_SRGB
+
+// 8-bit RGBA texels in tiles of 8x8, row-major inside a tile and over tiles.
+struct gk_texture {
+    gk_u32 offset; // of the first texel in its pool
+    gk_u32 pool;   // 0..3
+    gk_u32 width, height;
+    gk_u32 tiles;  // per row
+    gk_u32 flags;
+    gk_u32 image; // of the scene, to find a record again
+    gk_u32 unused;
+};
+GK_LAYOUT(gk_texture, 32);
+
+#define GK_LIGHT_TRIANGLE 0u
+#define GK_LIGHT_POINT 1u // a spot is a point with a cone
+#define GK_LIGHT_SUN 2u
+#define GK_LIGHT_ENVIRONMENT 3u
+
+struct gk_light {
+    gk_f32 p[3]; // triangle: first vertex; point: position; sun: direction towards it
+    gk_f32 a[3]; // triangle: edge to the second vertex; spot: axis
+    gk_f32 b[3]; // triangle: edge to the third; spot: cos of the outer cone, 1/(cos in - cos out), -
+    gk_f32 L[3]; // triangle: radiance before texture; point: W/sr; sun: W/m^2
+    gk_u32 kind; // GK_LIGHT_* | two-sided << 4
+    gk_u32 triangle; // record, GK_NONE for other kinds
+    gk_u32 material; // of a triangle whose emission is textured, else GK_NONE
+    gk_f32 choice;   // probability that the alias table chooses it
+};
+GK_LAYOUT(gk_light, 64);
+
+// Walker's alias method: entry i is taken with probability `keep`, else `other`.
+struct gk_alias {
+    gk_f32 keep;
+    gk_u32 other;
+};
+GK_LAYOUT(gk_alias, 8);
+
+// One texel of the equirectangular environment.
+struct gk_env_texel {
+    gk_f32 L[3];
+    gk_f32 unused;
+};
+GK_LAYOUT(gk_env_texel, 16);
+
+// One cell of the grid that the environment is sampled by, with its alias entry.
+struct gk_env_cell {
+    gk_f32 keep;
+    gk_u32 other;
+    gk_f32 pdf; // over the unit square of (u, v), mean 1, > 0
+    gk_f32 unused;
+};
+GK_LAYOUT(gk_env_cell, 16);
+
+#endif

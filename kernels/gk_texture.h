@@ -1,0 +1,120 @@
+// gk_texture.h - bilinear look-up of 8-bit RGBA textures.
+#ifndef GK_TEXTURE_H
+#define GK_TEXTURE_H
+
+#include "kernels/gk_math.h"
+#include "kernels/gk_scene.h"
+
+// Everything a look-up reads. decode: 256 sRGB values, then k/255.
+struct gk_texture_pools {
+    const GK_GLOBAL struct gk_texture *texture;
+    const GK_GLOBAL gk_u32 *pool0;
+    const GK_GLOBAL gk_u32 *pool1;
+    const GK_GLOBAL gk_u32 *pool2;
+    const GK_GLOBAL gk_u32 *pool3;
+    const GK_GLOBAL gk_f32 *decode;
+};
+
+struct gk_texel {
+    gk_f32 r, g, b, a;
+};
+
+// Coordinate in texels: position of the lower of the two taps, both wrapped, and the weight of the
+// upper. Only multiples of the period are taken off before scaling, so |t| may be large.
+struct gk_taps {
+    gk_i32 lower, upper;
+    gk_f32 weight;
+};
+
+GK_INLINE struct gk_taps gk_wrap_taps(gk_f32 t, gk_u32 size, gk_u32 wrap)
+{
+    const gk_i32 n = (gk_i32)size;
+    const gk_f32 whole = gk_floor(t);
+    const gk_f32 fraction = t - whole;
+    const gk_f32 pair = t * 0.5f - gk_floor(t * 0.5f);
+    const gk_f32 mirrored = 1.0f - gk_abs(pair * 2.0f - 1.0f);
+    const gk_f32 clamped = gk_clamp(t, 0.0f, 1.0f);
+    const gk_f32 unit = wrap == GK_WRAP_REPEAT   ? fraction
+                        : wrap == GK_WRAP_MIRROR ? mirrored
+                                                 : clamped;
+    const gk_f32 x = unit * (gk_f32)n - 0.5f;
+    const gk_f32 floor_x = gk_floor(x);
+    struct gk_taps taps;
+    taps.lower = (gk_i32)floor_x;
+    taps.upper = taps.lower + 1;
+    taps.weight = x - floor_x;
+    const gk_i32 below = wrap == GK_WRAP_REPEAT ? n - 1 : 0;
+    const gk_i32 above = wrap == GK_WRAP_REPEAT ? 0 : n - 1;
+    taps.lower = taps.lower < 0 ? below : taps.lower > n - 1 ? n - 1 : taps.lower;
+    taps.upper = taps.upper > n - 1 ? above : taps.upper < 0 ? 0 : taps.upper;
+    return taps;
+}
+
+GK_INLINE gk_u32 gk_texel_bits(const struct gk_texture_pools *p, gk_u32 pool, gk_u32 index)
+{
+#if GK_TEXTURE_POOLS > 1
+    return pool == 0u   ? p->pool0[index]
+           : pool == 1u ? p->pool1[index]
+           : pool == 2u ? p->pool2[index]
+                        : p->pool3[index];
+#else
+    (void)pool;
+    return p->pool0[index];
+#endif
+}
+
+GK_INLINE gk_u32 gk_texel_index(const GK_GLOBAL struct gk_texture *t, gk_i32 x, gk_i32 y)
+{
+    const gk_u32 tile = ((gk_u32)y >> 3) * t->tiles + ((gk_u32)x >> 3);
+    return t->offset + (tile << 6) + (((gk_u32)y & 7u) << 3) + ((gk_u32)x & 7u);
+}
+
+GK_INLINE struct gk_texel gk_texel_decode(const struct gk_texture_pools *p, gk_u32 bits,
+                                          gk_u32 linear)
+{
+    struct gk_texel t;
+    t.r = p->decode[(bits & 255u) + linear];
+    t.g = p->decode[((bits >> 8) & 255u) + linear];
+    t.b = p->decode[((bits >> 16) & 255u) + linear];
+    t.a = (gk_f32)(gk_i32)(bits >> 24) * (1.0f / 255.0f);
+    return t;
+}
+
+GK_INLINE struct gk_texel gk_texel_mix(struct gk_texel a, struct gk_texel b, gk_f32 w)
+{
+    struct gk_texel t;
+    t.r = a.r + (b.r - a.r) * w;
+    t.g = a.g + (b.g - a.g) * w;
+    t.b = a.b + (b.b - a.b) * w;
+    t.a = a.a + (b.a - a.a) * w;
+    return t;
+}
+
+// Texture `index` at (u, v), v downwards; white where index is GK_NONE. Interpolates in linear
+// light, as glTF 2.0 3.9.2 asks for.
+GK_INLINE struct gk_texel gk_texture_fetch(const struct gk_texture_pools *p, gk_u32 index, gk_f32 u,
+                                           gk_f32 v)
+{
+    const gk_i32 none = index == GK_NONE;
+    const GK_GLOBAL struct gk_texture *t = p->texture + (none ? 0u : index);
+    const gk_u32 flags = t->flags, pool = t->pool;
+    const struct gk_taps x = gk_wrap_taps(u, t->width, flags & 3u);
+    const struct gk_taps y = gk_wrap_taps(v, t->height, (flags >> 2) & 3u);
+    const gk_u32 linear = (flags & GK_TEXTURE_SRGB) ? 0u : 256u;
+    const gk_u32 b00 = gk_texel_bits(p, pool, gk_texel_index(t, x.lower, y.lower));
+    const gk_u32 b10 = gk_texel_bits(p, pool, gk_texel_index(t, x.upper, y.lower));
+    const gk_u32 b01 = gk_texel_bits(p, pool, gk_texel_index(t, x.lower, y.upper));
+    const gk_u32 b11 = gk_texel_bits(p, pool, gk_texel_index(t, x.upper, y.upper));
+    const struct gk_texel top = gk_texel_mix(gk_texel_decode(p, b00, linear),
+                                             gk_texel_decode(p, b10, linear), x.weight);
+    const struct gk_texel bottom = gk_texel_mix(gk_texel_decode(p, b01, linear),
+                                                gk_texel_decode(p, b11, linear), x.weight);
+    struct gk_texel r = gk_texel_mix(top, bottom, y.weight);
+    r.r = none ? 1.0f : r.r;
+    r.g = none ? 1.0f : r.g;
+    r.b = none ? 1.0f : r.b;
+    r.a = none ? 1.0f : r.a;
+    return r;
+}
+
+#endif

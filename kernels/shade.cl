@@ -1,0 +1,304 @@
+// shade.cl - one path vertex: emission, a light sample, a BSDF sample, the next ray.
+//
+// Unbiased path tracing with next-event estimation and multiple importance sampling (Veach 1997).
+// One item per path; every item reads and writes its own columns only.
+#include "kernels/gk_camera.h"
+#include "kernels/gk_hit.h"
+#include "kernels/gk_light.h"
+#include "kernels/gk_wave.h"
+
+struct gk_path {
+    struct gk_vec o, d, beta;
+    gk_f32 t, pdf;
+    gk_u32 lane, depth;
+};
+
+struct gk_lights {
+    const __global struct gk_light *light;
+    const __global struct gk_alias *alias;
+    struct gk_environment environment;
+};
+
+GK_INLINE struct gk_path gk_path_load(const __global float *wave, gk_u32 stride, gk_u32 i)
+{
+    struct gk_path p;
+    p.o = gk_vec(GK_LOAD(GK_COL_OX, i), GK_LOAD(GK_COL_OY, i), GK_LOAD(GK_COL_OZ, i));
+    p.d = gk_vec(GK_LOAD(GK_COL_DX, i), GK_LOAD(GK_COL_DY, i), GK_LOAD(GK_COL_DZ, i));
+    p.beta = gk_vec(GK_LOAD(GK_COL_BETA_R, i), GK_LOAD(GK_COL_BETA_G, i), GK_LOAD(GK_COL_BETA_B, i));
+    p.t = GK_LOAD(GK_COL_T, i);
+    p.pdf = GK_LOAD(GK_COL_PDF, i);
+    p.lane = GK_LOAD_U32(GK_COL_LANE, i);
+    p.depth = GK_LOAD_U32(GK_COL_DEPTH, i);
+    return p;
+}
+
+GK_INLINE struct gk_raw_hit gk_raw_hit_load(const __global float *wave, gk_u32 stride, gk_u32 i)
+{
+    struct gk_raw_hit h;
+    h.primitive = GK_LOAD_U32(GK_COL_PRIMITIVE, i);
+    h.geometry = GK_LOAD_U32(GK_COL_GEOMETRY, i);
+    h.instance = GK_LOAD_U32(GK_COL_INSTANCE, i);
+    h.u = GK_LOAD(GK_COL_U, i);
+    h.v = GK_LOAD(GK_COL_V, i);
+    h.ng = gk_vec(GK_LOAD(GK_COL_NX, i), GK_LOAD(GK_COL_NY, i), GK_LOAD(GK_COL_NZ, i));
+    return h;
+}
+
+// Radiance from beyond the scene, weighted against the light sample that could have found it.
+GK_INLINE struct gk_vec gk_miss_radiance(const __global struct gk_frame *frame,
+                                         const struct gk_lights *lights, const struct gk_path *path)
+{
+#ifdef GK_ENVIRONMENT_IMAGE
+    const struct gk_direction_uv at = gk_environment_uv(&lights->environment, path->d);
+    const gk_f32 pdf = gk_environment_pdf(&lights->environment, at) * frame->env_choice;
+    const gk_f32 w = path->pdf < 0.0f ? 1.0f : gk_mis_weight(path->pdf, pdf);
+    const struct gk_vec image = gk_scale(gk_environment_radiance(&lights->environment, at), w);
+    return gk_vec_select(lights->environment.factor, image, frame->has_env_image != 0u);
+#elif defined(GK_ENVIRONMENT_CONSTANT)
+    (void)lights;
+    (void)path;
+    return gk_vec(frame->environment[0], frame->environment[1], frame->environment[2]);
+#else
+    (void)frame;
+    (void)lights;
+    (void)path;
+    return gk_splat(0.0f);
+#endif
+}
+
+// Radiance emitted at the hit, weighted likewise.
+GK_INLINE struct gk_vec gk_found_emission(const __global struct gk_frame *frame,
+                                          const struct gk_resident *scene,
+                                          const struct gk_lights *lights,
+                                          const struct gk_path *path, const struct gk_hit *hit)
+{
+#ifdef GK_EMISSION
+    const gk_u32 index = scene->triangle[hit->triangle].light;
+    const gk_i32 sampled = index != GK_NONE && path->pdf >= 0.0f;
+    const __global struct gk_light *light = lights->light + (sampled ? index : 0u);
+    const gk_f32 choice = gk_light_choice(light, frame->lights) * (1.0f - frame->env_choice);
+    const gk_f32 pdf = gk_triangle_light_pdf(light, path->t, gk_abs(hit->cos_g), choice);
+    const gk_f32 w = sampled ? gk_mis_weight(path->pdf, pdf) : 1.0f;
+    return gk_scale(gk_hit_emission(scene, hit), w);
+#else
+    (void)frame;
+    (void)scene;
+    (void)lights;
+    (void)path;
+    (void)hit;
+    return gk_splat(0.0f);
+#endif
+}
+
+#ifdef GK_LIGHTS
+GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame *frame,
+                                                 const struct gk_resident *scene,
+                                                 const struct gk_lights *lights,
+                                                 struct gk_lane lane, gk_u32 depth, struct gk_vec p)
+{
+    gk_f32 choice, keep, u, v;
+    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_CHOICE), &choice, &keep);
+    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_POINT), &u, &v);
+    const gk_f32 split = frame->env_choice;
+    const gk_f32 table = 1.0f - split;
+#ifdef GK_LIGHT_TABLE
+    const gk_f32 scaled = gk_clamp((choice - split) / gk_max(table, 1e-20f), 0.0f, 1.0f);
+    const gk_u32 index = gk_alias_choose(lights->alias, frame->lights, scaled, keep);
+    const __global struct gk_light *light = lights->light + index;
+    const gk_f32 chosen = gk_light_choice(light, frame->lights) * table;
+    struct gk_light_sample s = gk_light_from_table(light, p, chosen, u, v);
+#ifdef GK_TEXTURES
+    const gk_u32 record = s.triangle == GK_NONE ? 0u : s.triangle;
+    const __global gk_f32 *uv = scene->triangle[record].uv;
+    const gk_f32 w = 1.0f - s.u - s.v;
+    const gk_u32 texture =
+        s.material == GK_NONE ? GK_NONE : scene->material[s.material].emission_texture;
+    const struct gk_texel e =
+        gk_texture_fetch(&scene->textures, texture, w * uv[0] + s.u * uv[2] + s.v * uv[4],
+                         w * uv[1] + s.u * uv[3] + s.v * uv[5]);
+    s.L = gk_mul(s.L, gk_vec(e.r, e.g, e.b));
+#else
+    (void)scene;
+#endif
+#else
+    struct gk_light_sample s;
+    s.wi = gk_splat(0.0f);
+    s.L = gk_splat(0.0f);
+    s.pdf = 1.0f;
+    s.distance = 0.0f;
+    s.delta = 0;
+#endif
+#ifdef GK_ENVIRONMENT_IMAGE
+    const gk_i32 sky = choice < split;
+    const gk_f32 cell = gk_min(choice / gk_max(split, 1e-20f), 1.0f - GK_UNIT);
+    const struct gk_vec wi = gk_environment_sample(&lights->environment, cell, keep, u, v);
+    const struct gk_direction_uv at = gk_environment_uv(&lights->environment, wi);
+    const gk_f32 pdf = gk_environment_pdf(&lights->environment, at) * split;
+    s.wi = gk_vec_select(s.wi, wi, sky);
+    s.L = gk_vec_select(s.L, gk_environment_radiance(&lights->environment, at), sky);
+    s.pdf = sky ? pdf : s.pdf;
+    s.distance = sky ? GK_INFINITY : s.distance;
+    s.delta = sky ? 0 : s.delta;
+#endif
+    return s;
+}
+#endif
+
+// Stores the shadow ray of a light sample; its contribution counts if nothing is in the way.
+GK_INLINE void gk_sample_light(__global float *wave, gk_u32 stride, gk_u32 i,
+                               const __global struct gk_frame *frame,
+                               const struct gk_resident *scene, const struct gk_lights *lights,
+                               const struct gk_path *path, const struct gk_hit *hit,
+                               const struct gk_surface *surface, struct gk_onb onb,
+                               struct gk_vec wo, struct gk_lane lane, struct gk_vec front,
+                               struct gk_vec back, gk_i32 active)
+{
+#ifdef GK_LIGHTS
+    const struct gk_vec p = gk_along(path->o, path->d, path->t);
+    const struct gk_light_sample s = gk_choose_light(frame, scene, lights, lane, path->depth, p);
+    const struct gk_vec wi = gk_to_local(onb, s.wi);
+    const struct gk_bsdf_value value = gk_bsdf_eval(surface, wo, wi);
+    const gk_f32 side = gk_dot(s.wi, hit->ng);
+    const gk_f32 w = s.delta ? 1.0f : gk_mis_weight(s.pdf, value.pdf);
+    const struct gk_vec c = gk_scale(gk_mul(gk_mul(path->beta, value.f), s.L), w / s.pdf);
+    const gk_i32 useful = active && side * wi.z > 0.0f && gk_max3(c) > 0.0f && s.distance > 0.0f;
+    const struct gk_vec o = gk_vec_select(back, front, side > 0.0f);
+    GK_STORE(GK_COL_SOX, i, o.x);
+    GK_STORE(GK_COL_SOY, i, o.y);
+    GK_STORE(GK_COL_SOZ, i, o.z);
+    GK_STORE(GK_COL_SDX, i, s.wi.x);
+    GK_STORE(GK_COL_SDY, i, s.wi.y);
+    GK_STORE(GK_COL_SDZ, i, s.wi.z);
+    GK_STORE(GK_COL_ST, i, useful ? s.distance : -GK_INFINITY);
+    GK_STORE(GK_COL_SR, i, c.x);
+    GK_STORE(GK_COL_SG, i, c.y);
+    GK_STORE(GK_COL_SB, i, c.z);
+    GK_STORE_U32(GK_COL_SLANE, i, path->lane);
+#endif
+}
+
+// The first hit of a camera ray, for mattes, alpha and AOVs.
+GK_INLINE void gk_store_first_hit(__global float *wave, gk_u32 stride,
+                                  const __global struct gk_frame *frame,
+                                  const struct gk_resident *scene, const struct gk_path *path,
+                                  const struct gk_hit *hit, const struct gk_surface *surface,
+                                  gk_i32 missed)
+{
+    const gk_u32 lane = path->lane;
+    const gk_u32 key = missed ? GK_MATTE_BACKGROUND : scene->instance[hit->instance].matte;
+    GK_STORE_U32(GK_COL_KEY, lane, key);
+#ifdef GK_AOVS
+    const struct gk_vec forward = gk_vec(frame->forward[0], frame->forward[1], frame->forward[2]);
+    GK_STORE(GK_COL_Z, lane, missed ? 1e30f : path->t * gk_dot(path->d, forward));
+    GK_STORE(GK_COL_FNX, lane, missed ? 0.0f : hit->ns.x);
+    GK_STORE(GK_COL_FNY, lane, missed ? 0.0f : hit->ns.y);
+    GK_STORE(GK_COL_FNZ, lane, missed ? 0.0f : hit->ns.z);
+    GK_STORE(GK_COL_AR, lane, missed ? 0.0f : surface->base.x);
+    GK_STORE(GK_COL_AG, lane, missed ? 0.0f : surface->base.y);
+    GK_STORE(GK_COL_AB, lane, missed ? 0.0f : surface->base.z);
+#else
+    (void)frame;
+    (void)surface;
+#endif
+}
+
+__kernel void shade_surface(
+    __global float *restrict wave, const gk_u32 stride, const gk_u32 n,
+    const __global struct gk_frame *restrict frame,
+    const __global struct gk_wave_rect *restrict rect,
+    const __global struct gk_triangle *restrict triangles,
+    const __global struct gk_tangent *restrict tangents,
+    const __global struct gk_instance *restrict instances,
+    const __global struct gk_material *restrict materials,
+    const __global struct gk_texture *restrict textures, const __global gk_u32 *restrict pool0,
+    const __global gk_u32 *restrict pool1, const __global gk_u32 *restrict pool2,
+    const __global gk_u32 *restrict pool3, const __global gk_f32 *restrict decode,
+    const __global struct gk_light *restrict light_table,
+    const __global struct gk_alias *restrict alias,
+    const __global struct gk_env_texel *restrict env_texels,
+    const __global struct gk_env_cell *restrict env_cells)
+{
+    const gk_u32 i = (gk_u32)get_global_id(0);
+    if (i >= n)
+        return;
+    const struct gk_resident scene = {triangles, tangents, instances, materials,
+                                      {textures, pool0, pool1, pool2, pool3, decode}};
+    struct gk_lights lights;
+    lights.light = light_table;
+    lights.alias = alias;
+    lights.environment.texel = env_texels;
+    lights.environment.cell = env_cells;
+    lights.environment.width = (gk_i32)frame->env_width;
+    lights.environment.height = (gk_i32)frame->env_height;
+    lights.environment.cell_width = (gk_i32)frame->env_cell_width;
+    lights.environment.cell_height = (gk_i32)frame->env_cell_height;
+    lights.environment.cosine = frame->env_cos;
+    lights.environment.sine = frame->env_sin;
+    lights.environment.factor =
+        gk_vec(frame->environment[0], frame->environment[1], frame->environment[2]);
+
+    const struct gk_path path = gk_path_load(wave, stride, i);
+    struct gk_raw_hit raw = gk_raw_hit_load(wave, stride, i);
+    const gk_i32 missed = raw.geometry == GK_NONE;
+    // A miss shades the first triangle of the scene and throws the result away: no divergence.
+    raw.geometry = missed ? 0u : raw.geometry;
+    raw.instance = missed ? GK_NONE : raw.instance;
+    raw.primitive = missed ? 0u : raw.primitive;
+
+    const struct gk_hit hit = gk_hit_decode(&scene, raw, path.d);
+    const struct gk_onb onb = gk_onb_make(hit.ns);
+    struct gk_vec wo = gk_to_local(onb, gk_negate(path.d));
+    wo.z = gk_max(wo.z, 1e-6f);
+    const struct gk_surface surface = gk_hit_surface(&scene, &hit, gk_min(wo.z, 1.0f));
+
+    if (path.depth == 0u)
+        gk_store_first_hit(wave, stride, frame, &scene, &path, &hit, &surface, missed);
+
+    const struct gk_vec found = gk_vec_select(gk_found_emission(frame, &scene, &lights, &path, &hit),
+                                              gk_miss_radiance(frame, &lights, &path), missed);
+    const struct gk_vec seen = gk_mul(path.beta, found);
+    GK_STORE(GK_COL_LR, path.lane, GK_LOAD(GK_COL_LR, path.lane) + seen.x);
+    GK_STORE(GK_COL_LG, path.lane, GK_LOAD(GK_COL_LG, path.lane) + seen.y);
+    GK_STORE(GK_COL_LB, path.lane, GK_LOAD(GK_COL_LB, path.lane) + seen.z);
+
+    const struct gk_vec p = gk_along(path.o, path.d, path.t);
+    const gk_f32 lift = gk_point_error(p, path.t);
+    const struct gk_vec front = gk_along(p, hit.ng, lift);
+    const struct gk_vec back = gk_along(p, hit.ng, -lift);
+    const gk_i32 scatters = !missed && path.depth < frame->max_bounces;
+    const struct gk_lane lane = gk_lane_at(rect, path.lane, frame->seed);
+    gk_sample_light(wave, stride, i, frame, &scene, &lights, &path, &hit, &surface, onb, wo, lane,
+                    front, back, scatters);
+
+    gk_f32 u_lobe, u_roulette, u, v;
+    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(path.depth, GK_PAIR_LOBE), &u_lobe,
+                 &u_roulette);
+    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(path.depth, GK_PAIR_BSDF), &u, &v);
+    const struct gk_bsdf_sample s = gk_bsdf_sample(&surface, wo, u_lobe, u, v);
+    const struct gk_bsdf_value value = gk_bsdf_eval(&surface, wo, s.wi);
+    const gk_f32 inverse = value.pdf > 1e-30f ? 1.0f / value.pdf : 0.0f;
+    const struct gk_vec weight = gk_vec_select(gk_scale(value.f, inverse), s.weight, s.delta);
+    const struct gk_vec d = gk_normalise(gk_to_world(onb, s.wi));
+    const gk_f32 side = gk_dot(d, hit.ng);
+    const gk_f32 strongest = gk_max3(weight);
+
+    // One roulette rule for all jobs, blind to mattes: survive with q >= min(1, mean weight).
+    const gk_f32 q = path.depth >= frame->roulette_start ? gk_min(strongest, 1.0f) : 1.0f;
+    const gk_i32 alive = scatters && side * s.wi.z > 0.0f && strongest > 0.0f && u_roulette < q;
+    const struct gk_vec beta = gk_scale(gk_mul(path.beta, weight), 1.0f / gk_max(q, 1e-30f));
+    const struct gk_vec o = gk_vec_select(back, front, side > 0.0f);
+    GK_STORE(GK_COL_OX, i, o.x);
+    GK_STORE(GK_COL_OY, i, o.y);
+    GK_STORE(GK_COL_OZ, i, o.z);
+    GK_STORE(GK_COL_DX, i, d.x);
+    GK_STORE(GK_COL_DY, i, d.y);
+    GK_STORE(GK_COL_DZ, i, d.z);
+    GK_STORE(GK_COL_T, i, alive ? GK_INFINITY : -GK_INFINITY);
+    GK_STORE(GK_COL_BETA_R, i, beta.x);
+    GK_STORE(GK_COL_BETA_G, i, beta.y);
+    GK_STORE(GK_COL_BETA_B, i, beta.z);
+    GK_STORE(GK_COL_PDF, i, s.delta ? -1.0f : value.pdf);
+    GK_STORE_U32(GK_COL_DEPTH, i, path.depth + 1u);
+    GK_STORE_U32(GK_COL_GEOMETRY, i, GK_NONE);
+    GK_STORE_U32(GK_COL_INSTANCE, i, GK_NONE);
+}
