@@ -1,0 +1,30 @@
+// blob.h - immutable bytes with a count of references and, where asked, their digest: what an
+// answer sends and the cache of finished frames keeps.
+//
+// Thread-safety: any thread.
+#ifndef GLINT_HTTP_BLOB_H
+#define GLINT_HTTP_BLOB_H
+
+#include "protocol/status.h"
+
+#include <stdatomic.h>
+#include <stdint.h>
+
+struct glint_blob {
+    atomic_uint references;
+    uint8_t *bytes; // owned
+    size_t size;
+    char etag[67];   // 64 hex digits of the SHA-256 in quotes; "" without a digest
+    char digest[64]; // "sha-256=:BASE64:"; "" without a digest
+};
+
+// Takes `bytes` (malloc'd) always, also when it fails. NULL without memory.
+struct glint_blob *glint_blob_take(uint8_t *bytes, size_t size);
+
+// As above with ETag and digest.
+struct glint_blob *glint_blob_digest(uint8_t *bytes, size_t size);
+
+struct glint_blob *glint_blob_retain(struct glint_blob *blob);
+void glint_blob_release(struct glint_blob **blob); // stores NULL
+
+#endif

@@ -1,0 +1,293 @@
+#include "http/http.h"
+
+#include "base/log.h"
+#include "http/dispatch.h"
+#include "http/events.h"
+#include "http/frames.h"
+#include "http/stream.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#define LIBRARY_THREADS 2
+#define CONNECTION_BYTES ((size_t)65536) // a request's header has to fit
+
+bool glint_http_enter(glint_http *http)
+{
+    pthread_mutex_lock(&http->mutex);
+    const bool open = !http->stopping;
+    http->suspended += open;
+    pthread_mutex_unlock(&http->mutex);
+    return open;
+}
+
+void glint_http_leave(glint_http *http)
+{
+    pthread_mutex_lock(&http->mutex);
+    http->suspended--;
+    pthread_cond_broadcast(&http->changed);
+    pthread_mutex_unlock(&http->mutex);
+}
+
+bool glint_http_draining(glint_http *http)
+{
+    pthread_mutex_lock(&http->mutex);
+    const bool draining = http->draining;
+    pthread_mutex_unlock(&http->mutex);
+    return draining;
+}
+
+bool glint_http_job_ended(glint_http *http, const char *job)
+{
+    struct glint_job_view view;
+    const glint_status st = glint_jobs_view(http->jobs, job, &view, NULL);
+    if (st)
+        return st != GLINT_E_BUSY;
+    const enum glint_job_state state = view.state;
+    glint_jobs_release(http->jobs, &view);
+    return state >= GLINT_JOB_DONE;
+}
+
+static void job_changed(void *user)
+{
+    glint_http *h = user;
+    glint_watch_wake(h->watch);
+}
+
+static void round_of_watch(void *user)
+{
+    glint_http *h = user;
+    glint_dispatch_parked(h);
+    glint_streams_kick(h);
+}
+
+static void on_connection(void *user, struct MHD_Connection *connection, void **client,
+                          enum MHD_ConnectionNotificationCode code)
+{
+    glint_http *h = user;
+    if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
+        glint_watch_remove(h->watch, (uint64_t)(uintptr_t)*client);
+        return;
+    }
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    *client = (void *)(uintptr_t)glint_watch_add(h->watch, info->connect_fd,
+                                                 h->limits.header_seconds);
+}
+
+// The library decodes paths and queries for callers that cannot tell %2F from a slash; we can.
+static size_t leave_escaped(void *user, struct MHD_Connection *connection, char *text)
+{
+    (void)user;
+    (void)connection;
+    return strlen(text);
+}
+
+static void log_library(void *user, const char *format, va_list args)
+{
+    (void)user;
+    char line[256];
+    vsnprintf(line, sizeof line, format, args);
+    line[strcspn(line, "\n")] = 0;
+    glint_log(GLINT_LOG_DEBUG, "http", NULL, NULL, "%s", line);
+}
+
+static bool is_loopback(int fd)
+{
+    struct sockaddr_storage any;
+    socklen_t length = sizeof any;
+    if (getsockname(fd, (struct sockaddr *)&any, &length))
+        return false;
+    if (any.ss_family == AF_INET6)
+        return IN6_IS_ADDR_LOOPBACK(&((struct sockaddr_in6 *)&any)->sin6_addr);
+    return any.ss_family == AF_INET &&
+           ntohl(((struct sockaddr_in *)&any)->sin_addr.s_addr) >> 24 == 127;
+}
+
+static void set_limits(struct glint_http_limits *l)
+{
+    if (!l->job_bytes)
+        l->job_bytes = (size_t)1 << 20;
+    if (!l->scene_bytes)
+        l->scene_bytes = (size_t)2 << 30;
+    if (!l->spool_bytes)
+        l->spool_bytes = 2 * l->scene_bytes;
+    if (!l->connections)
+        l->connections = 512;
+    if (!l->streams)
+        l->streams = 128;
+    if (!(l->header_seconds > 0))
+        l->header_seconds = 10;
+    if (!(l->idle_seconds > 0))
+        l->idle_seconds = 60;
+}
+
+static glint_status start_lanes(glint_http *h, struct glint_error *err)
+{
+    static const struct { enum glint_lane lane; const char *name; unsigned threads, capacity; }
+    table[] = {
+        {GLINT_LANE_LOAD, "http-load", 2, 16},
+        {GLINT_LANE_FRAME, "http-frame", 2, 64},
+        {GLINT_LANE_STREAM, "http-stream", 2, 0}, // every stream has at most one task
+    };
+    glint_status st = GLINT_OK;
+    for (size_t i = 0; !st && i < sizeof table / sizeof *table; i++)
+        st = glint_offload_create(&h->lane[table[i].lane], table[i].name, table[i].threads,
+                                  table[i].capacity ? table[i].capacity : h->limits.streams, err);
+    return st;
+}
+
+static void refresh_metrics(void *user)
+{
+    glint_http *h = user;
+    pthread_mutex_lock(&h->lists);
+    const uint32_t streams = h->streams;
+    pthread_mutex_unlock(&h->lists);
+    glint_metric_set(h->open_streams, streams);
+    glint_metric_set(h->open_connections, glint_watch_clients(h->watch));
+}
+
+static void start_metrics(glint_http *h)
+{
+    static const char *const class[] = {"", "1xx", "2xx", "3xx", "4xx", "5xx"};
+    glint_metrics *m = h->metrics;
+    for (int i = 1; i < 6; i++) {
+        const struct glint_label label = {"status", class[i]};
+        h->answers[i] = glint_metrics_counter(m, "http_answers_total",
+                                              "Answers by class of status.", &label, 1);
+    }
+    h->received = glint_metrics_counter(m, "http_received_bytes_total",
+                                        "Bytes of request bodies.", NULL, 0);
+    h->open_connections = glint_metrics_gauge(m, "http_connections", "Open connections.", NULL, 0);
+    h->open_streams = glint_metrics_gauge(m, "http_streams", "Open streams.", NULL, 0);
+    glint_metrics_on_read(m, refresh_metrics, h);
+}
+
+static glint_status start_library(glint_http *h, int fd, struct glint_error *err)
+{
+    const unsigned flags =
+        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
+    // Its own limit only keeps it alive: what is over ours gets an answer. It holds per thread.
+    const unsigned most = LIBRARY_THREADS * (2 * h->limits.connections + 16);
+    fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
+    h->mhd = MHD_start_daemon(
+        flags, 0, NULL, NULL, glint_dispatch_request, h,
+        MHD_OPTION_EXTERNAL_LOGGER, log_library, NULL,
+        MHD_OPTION_LISTEN_SOCKET, fd,
+        MHD_OPTION_THREAD_POOL_SIZE, (unsigned)LIBRARY_THREADS,
+        MHD_OPTION_CONNECTION_LIMIT, most,
+        MHD_OPTION_CONNECTION_MEMORY_LIMIT, CONNECTION_BYTES,
+        MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)(h->limits.idle_seconds + 0.999),
+        MHD_OPTION_NOTIFY_COMPLETED, glint_dispatch_completed, h,
+        MHD_OPTION_NOTIFY_CONNECTION, on_connection, h,
+        MHD_OPTION_UNESCAPE_CALLBACK, leave_escaped, h,
+        MHD_OPTION_END);
+    return h->mhd ? GLINT_OK : glint_fail(err, GLINT_E_IO, "", "the HTTP library does not start");
+}
+
+glint_status glint_http_create(glint_http **out, const struct glint_http_params *params,
+                               struct glint_error *err)
+{
+    assert(out && params && params->jobs && params->store && params->devices &&
+           params->metrics);
+    *out = NULL;
+    glint_http *h = calloc(1, sizeof *h);
+    if (!h)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the server");
+    h->jobs = params->jobs;
+    h->store = params->store;
+    h->devices = params->devices;
+    h->metrics = params->metrics;
+    h->version = params->version;
+    h->limits = params->limits;
+    set_limits(&h->limits);
+    h->loopback = is_loopback(params->listen_fd);
+    pthread_mutex_init(&h->lists, NULL);
+    pthread_mutex_init(&h->mutex, NULL);
+    pthread_condattr_t monotonic;
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    pthread_cond_init(&h->changed, &monotonic);
+    pthread_condattr_destroy(&monotonic);
+
+    glint_status st = glint_frames_create(&h->frames, err);
+    if (!st)
+        st = glint_topics_create(&h->topics, err);
+    if (!st)
+        st = start_lanes(h, err);
+    if (!st)
+        st = glint_watch_create(&h->watch, round_of_watch, h, err);
+    if (!st) {
+        start_metrics(h);
+        st = start_library(h, params->listen_fd, err);
+    }
+    if (st) {
+        glint_http_destroy(&h);
+        return st;
+    }
+    glint_jobs_on_change(h->jobs, job_changed, h);
+    *out = h;
+    return GLINT_OK;
+}
+
+bool glint_http_drain(glint_http *http, double seconds)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_sec += (time_t)seconds + 1;
+    pthread_mutex_lock(&http->mutex);
+    const bool first = !http->draining;
+    http->draining = true;
+    pthread_mutex_unlock(&http->mutex);
+    const MHD_socket fd = first ? MHD_quiesce_daemon(http->mhd) : MHD_INVALID_SOCKET;
+    if (fd != MHD_INVALID_SOCKET)
+        close(fd);
+    glint_watch_wake(http->watch);
+    pthread_mutex_lock(&http->mutex);
+    int rc = 0;
+    while (http->requests && !rc)
+        rc = pthread_cond_timedwait(&http->changed, &http->mutex, &until);
+    const bool idle = !http->requests;
+    pthread_mutex_unlock(&http->mutex);
+    return idle;
+}
+
+// The library aborts the process if it is stopped while a connection is suspended.
+static void stop_library(glint_http *h)
+{
+    glint_jobs_on_change(h->jobs, NULL, NULL);
+    glint_http_drain(h, 0);
+    pthread_mutex_lock(&h->mutex);
+    h->stopping = true;
+    while (h->suspended)
+        pthread_cond_wait(&h->changed, &h->mutex);
+    pthread_mutex_unlock(&h->mutex);
+    MHD_stop_daemon(h->mhd);
+}
+
+void glint_http_destroy(glint_http **http)
+{
+    glint_http *h = *http;
+    *http = NULL;
+    if (!h)
+        return;
+    if (h->mhd)
+        stop_library(h);
+    for (int i = 0; i < GLINT_LANES; i++)
+        glint_offload_destroy(&h->lane[i]);
+    glint_watch_destroy(&h->watch);
+    glint_topics_destroy(&h->topics);
+    glint_frames_destroy(&h->frames);
+    pthread_cond_destroy(&h->changed);
+    pthread_mutex_destroy(&h->mutex);
+    pthread_mutex_destroy(&h->lists);
+    free(h);
+}

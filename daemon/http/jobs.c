@@ -1,0 +1,109 @@
+#include "http/answer.h"
+#include "http/resources.h"
+#include "protocol/json.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_KEY 255
+
+void glint_http_jobs_list(struct glint_request *r)
+{
+    glint_answer_json(r, MHD_HTTP_OK, glint_jobs_list(r->http->jobs));
+}
+
+void glint_http_jobs_get(struct glint_request *r)
+{
+    struct glint_error err = {0};
+    cJSON *job = glint_jobs_describe(r->http->jobs, r->argument[0], &err);
+    if (job)
+        glint_answer_json(r, MHD_HTTP_OK, job);
+    else
+        glint_answer_error(r, &err);
+}
+
+static void answer_job(struct glint_request *r, int status, const char *id)
+{
+    struct glint_error err = {0};
+    cJSON *job = glint_jobs_describe(r->http->jobs, id, &err);
+    if (!job) { // another client has forgotten it already
+        glint_answer_error(r, &err);
+        return;
+    }
+    glint_answer_json(r, status, job);
+    if (status == MHD_HTTP_ACCEPTED)
+        glint_answer_header(r, "Location", "/v1/jobs/%s", id);
+}
+
+static bool is_key(const char *key)
+{
+    size_t n = 0;
+    while (isgraph((unsigned char)key[n]))
+        n++;
+    return n && n <= MAX_KEY && !key[n];
+}
+
+// A job that is at fault may also name a scene that does not exist: that is told with the rest.
+static void check_scene(struct glint_request *r, struct glint_error *err)
+{
+    cJSON *json = NULL;
+    glint_revision *revision = NULL;
+    if (glint_json_parse(&json, (const char *)r->body.bytes, r->body.length, &glint_json_request,
+                         NULL))
+        return;
+    const char *scene = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, "scene"));
+    if (scene && glint_store_get(r->http->store, scene, &revision, NULL))
+        glint_fail(err, GLINT_E_RANGE, "/scene", "there is no scene \"%.128s\"", scene);
+    if (revision)
+        glint_revision_release(&revision);
+    cJSON_Delete(json);
+}
+
+void glint_http_jobs_post(struct glint_request *r)
+{
+    struct glint_error err = {0};
+    struct glint_job *job = NULL;
+    char id[GLINT_JOB_ID_BYTES];
+    bool repeated = false;
+    const char *key = glint_request_header(r, "Idempotency-Key");
+    if (key && !is_key(key))
+        glint_fail(&err, GLINT_E_RANGE, "",
+                   "Idempotency-Key: 1 to %d visible ASCII characters are needed", MAX_KEY);
+    const glint_status st =
+        glint_job_parse(&job, (const char *)r->body.bytes, r->body.length, &err);
+    if (st != GLINT_E_SYNTAX && st != GLINT_E_TOO_LARGE)
+        check_scene(r, &err);
+    if (!err.count)
+        glint_jobs_submit(r->http->jobs, job, key, id, &repeated, &err);
+    if (err.count) {
+        glint_job_destroy(&job);
+        glint_answer_error(r, &err);
+        return;
+    }
+    answer_job(r, MHD_HTTP_ACCEPTED, id);
+    if (repeated)
+        glint_answer_header(r, "Idempotent-Replayed", "true");
+}
+
+void glint_http_jobs_patch(struct glint_request *r)
+{
+    struct glint_error err = {0};
+    if (glint_jobs_patch(r->http->jobs, r->argument[0], (const char *)r->body.bytes,
+                         r->body.length, &err))
+        glint_answer_error(r, &err);
+    else
+        answer_job(r, MHD_HTTP_OK, r->argument[0]);
+}
+
+void glint_http_jobs_delete(struct glint_request *r)
+{
+    struct glint_error err = {0};
+    bool forgotten = false;
+    if (glint_jobs_delete(r->http->jobs, r->argument[0], &forgotten, &err))
+        glint_answer_error(r, &err);
+    else if (forgotten)
+        glint_answer_empty(r, MHD_HTTP_NO_CONTENT);
+    else
+        answer_job(r, MHD_HTTP_ACCEPTED, r->argument[0]);
+}

@@ -1,0 +1,19 @@
+// picture.h - any one output of a frame as a picture for the eye.
+//
+// Colour goes through exposure, tone curve and sRGB. What is no colour is first made one: normals
+// as (n + 1) / 2, depth from near (white) to far, samples relative to the most, and ID layers as
+// the colours of their names weighted by coverage.
+//
+// Thread-safety: reentrant.
+#ifndef GLINT_HTTP_PICTURE_H
+#define GLINT_HTTP_PICTURE_H
+
+#include "protocol/frame.h"
+#include "protocol/png.h"
+
+// output: one glint_output bit whose channels the frame has. *bytes is malloc'd.
+glint_status glint_picture_encode(const struct glint_frame *frame, uint32_t output, float exposure,
+                                  enum glint_tonemap tonemap, uint8_t **bytes, size_t *size,
+                                  struct glint_error *err);
+
+#endif

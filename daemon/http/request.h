@@ -1,0 +1,103 @@
+// request.h - one request from its header to its answer.
+//
+// The HTTP library's thread makes it, checks the header against the route and collects the body;
+// the handler then runs on the lane that the route names, with the connection suspended unless the
+// lane is GLINT_LANE_NOW, and leaves an answer (answer.h) in the request.
+//
+// Threads: one at a time, handed over through the lanes' queues.
+#ifndef GLINT_HTTP_REQUEST_H
+#define GLINT_HTTP_REQUEST_H
+
+#include "http/offload.h"
+#include "http/server.h"
+
+#include <stdatomic.h>
+
+#define GLINT_MAX_SEGMENTS 6
+#define GLINT_MAX_ARGUMENTS 2
+#define GLINT_MAX_PARAMETERS 40
+#define GLINT_REQUEST_ID_BYTES 65
+#define GLINT_BODY_SECONDS 60.0 // until a body is complete, and a second more for each 16 KiB
+
+struct glint_parameter { char *name, *value; }; // of the query, decoded
+
+enum glint_body_kind { GLINT_BODY_NONE, GLINT_BODY_JOB, GLINT_BODY_PATCH, GLINT_BODY_SCENE };
+
+// The body as it arrives: small ones in memory, scenes in a memfd that is mapped once complete.
+struct glint_body {
+    uint8_t *bytes;
+    size_t length, capacity;
+    size_t reserved; // of the server's spool
+    int fd;          // -1: in memory
+    bool over;       // past the limit; what comes is dropped
+};
+
+struct glint_request {
+    struct glint_task task;
+    glint_http *http;
+    struct MHD_Connection *connection;
+    uint64_t client;
+    const struct glint_route *route; // NULL: none matches
+    double started;
+    char id[GLINT_REQUEST_ID_BYTES];
+    bool head;
+
+    char *path; // cut into decoded segments
+    char *segment[GLINT_MAX_SEGMENTS];
+    size_t segments;
+    const char *argument[GLINT_MAX_ARGUMENTS]; // segments that stand for {}
+    struct glint_parameter parameter[GLINT_MAX_PARAMETERS];
+    size_t parameters;
+    bool bad_query;
+
+    struct glint_body body;
+    bool begun; // the handler was called
+
+    int status; // of the answer, 0: none yet
+    struct MHD_Response *response;
+    bool close; // the connection, after the answer
+
+    bool park;        // until the job argument[0] has ended
+    atomic_bool left; // the client, while parked; relaxed: only looked at again
+    struct glint_request *next_parked;
+};
+
+// Makes the request and checks everything that the header tells; an answer may be ready already.
+// NULL without memory.
+struct glint_request *glint_request_create(glint_http *http, struct MHD_Connection *connection,
+                                           const char *url, const char *method,
+                                           const char *version);
+void glint_request_destroy(struct glint_request **request);
+
+// A header's value, or NULL.
+const char *glint_request_header(struct glint_request *r, const char *name);
+
+// True when the list of entity tags in the header holds `etag` (with quotes) or "*".
+bool glint_request_matches(struct glint_request *r, const char *header, const char *etag);
+
+// First value of a query parameter, or NULL.
+const char *glint_request_query(const struct glint_request *r, const char *name);
+
+// Each reads a parameter if it is there and appends a fault if it is malformed.
+void glint_query_number(const struct glint_request *r, const char *name, double low, double high,
+                        double *out, struct glint_error *err);
+void glint_query_integer(const struct glint_request *r, const char *name, uint64_t high,
+                         uint64_t *out, struct glint_error *err);
+// choices: NULL-terminated; *out: index.
+void glint_query_choice(const struct glint_request *r, const char *name,
+                        const char *const *choices, int *out, struct glint_error *err);
+
+// Handlers of requests that wait for their job to end return after this; they are called again.
+void glint_request_wait(struct glint_request *r);
+
+// body.c: takes the next bytes of the body. False: close the connection without an answer.
+bool glint_body_add(struct glint_request *r, const char *bytes, size_t size);
+// The body is complete: maps it. False: an answer is ready.
+bool glint_body_finish(struct glint_request *r);
+void glint_body_free(struct glint_request *r);
+// Bytes that the route takes, 0: no body.
+size_t glint_body_limit(const struct glint_request *r);
+// Checks the header of a request that has a body; false: an answer is ready.
+bool glint_body_accept(struct glint_request *r);
+
+#endif

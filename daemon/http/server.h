@@ -1,0 +1,68 @@
+// server.h - what the files of this folder share about the running server.
+#ifndef GLINT_HTTP_SERVER_H
+#define GLINT_HTTP_SERVER_H
+
+#include "base/metrics.h"
+#include "http/http.h"
+#include "http/offload.h"
+#include "http/watch.h"
+
+#include <microhttpd.h>
+#include <pthread.h>
+#include <stdatomic.h>
+
+// Where a handler runs. A lane's threads may wait for what they do, never for one another.
+enum glint_lane {
+    GLINT_LANE_NOW,   // in the library's thread: looks something up, no more
+    GLINT_LANE_LOAD,  // imports and deletes scenes
+    GLINT_LANE_FRAME, // snapshots and encodes
+    GLINT_LANE_STREAM, // fills streams
+    GLINT_LANES
+};
+
+struct glint_request;
+struct glint_stream;
+
+struct glint_http {
+    struct MHD_Daemon *mhd;
+    glint_jobs *jobs;
+    glint_store *store;
+    glint_devices *devices;
+    const char *version;
+    struct glint_http_limits limits;
+    bool loopback; // only this machine can connect
+
+    glint_watch *watch;
+    glint_offload *lane[GLINT_LANES];
+    struct glint_frames *frames; // cache of finished frames
+    struct glint_topics *topics; // events of jobs that somebody watches
+
+    pthread_mutex_t lists; // guards these; taken before any stream's mutex
+    struct glint_stream *first_stream;
+    uint32_t streams;
+    struct glint_request *first_parked; // they wait for their jobs to end
+
+    pthread_mutex_t mutex; // guards these; nothing is called under it
+    pthread_cond_t changed;
+    uint32_t requests;  // from header to end
+    uint32_t suspended; // connections
+    size_t spooled;     // bytes of bodies under way
+    bool draining;      // no new work
+    bool stopping;      // no new suspensions
+
+    glint_metrics *metrics;
+    glint_metric *answers[6]; // by class of status, [1..5]
+    glint_metric *received, *open_connections, *open_streams;
+};
+
+// Every suspension enters this gate and leaves it once resumed, because the library must not be
+// stopped while a connection is suspended. False: the server stops, do not suspend.
+bool glint_http_enter(glint_http *http);
+void glint_http_leave(glint_http *http);
+
+bool glint_http_draining(glint_http *http);
+
+// The job has ended, or is not there.
+bool glint_http_job_ended(glint_http *http, const char *job);
+
+#endif

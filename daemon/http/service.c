@@ -1,0 +1,152 @@
+#include "http/answer.h"
+#include "http/contract.h"
+#include "http/resources.h"
+#include "http/routes.h"
+#include "protocol/dials.h"
+#include "protocol/png.h"
+#include "protocol/text.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// The calls, for who opens the address in a browser.
+void glint_http_service_index(struct glint_request *r)
+{
+    struct glint_text t = {0};
+    size_t length;
+    glint_text_add(&t, "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>glint</title>\n"
+                       "<style>body{font:16px/1.5 system-ui;margin:3em auto;max-width:50em}"
+                       "td{padding:0 1em 0 0;vertical-align:top}code{white-space:nowrap}</style>\n"
+                       "<h1>glint</h1>\n<p>A render daemon. The contract: "
+                       "<a href=\"/openapi.yaml\">openapi.yaml</a>; what this one can do: "
+                       "<a href=\"/v1\">/v1</a>; its <a href=\"/v1/scenes\">scenes</a> and "
+                       "<a href=\"/v1/jobs\">jobs</a>.</p>\n<table>\n");
+    for (const struct glint_route *row = glint_route_table; row->method; row++)
+        glint_text_print(&t, "<tr><td><code>%s</code><td><code>%s</code><td>%s\n", row->method,
+                         row->pattern, row->summary);
+    glint_text_add(&t, "</table></html>\n");
+    char *page = glint_text_take(&t, &length);
+    if (page)
+        glint_answer_text(r, MHD_HTTP_OK, "text/html; charset=utf-8", page, length);
+    else
+        glint_answer_response(r, 0, NULL);
+    free(page);
+}
+
+void glint_http_service_health(struct glint_request *r)
+{
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "status", "ok");
+    glint_answer_json(r, MHD_HTTP_OK, o);
+}
+
+void glint_http_service_ready(struct glint_request *r)
+{
+    struct glint_error err = {0};
+    if (glint_http_draining(r->http))
+        glint_fail(&err, GLINT_E_BUSY, "", "the server stops");
+    if (!glint_devices_workers(r->http->devices))
+        glint_fail(&err, GLINT_E_BUSY, "", "there is no worker");
+    if (err.count) {
+        glint_answer_error(r, &err);
+        return;
+    }
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "status", "ready");
+    glint_answer_json(r, MHD_HTTP_OK, o);
+}
+
+void glint_http_service_metrics(struct glint_request *r)
+{
+    size_t length;
+    char *text = glint_metrics_text(r->http->metrics, &length);
+    if (text)
+        glint_answer_text(r, MHD_HTTP_OK, "text/plain; version=0.0.4; charset=utf-8", text, length);
+    else
+        glint_answer_response(r, 0, NULL);
+    free(text);
+}
+
+void glint_http_service_contract(struct glint_request *r)
+{
+    glint_answer_text(r, MHD_HTTP_OK, "application/yaml", glint_contract[0].text,
+                      glint_contract[0].length);
+}
+
+static void add_names(cJSON *object, const char *key, const char *const *name)
+{
+    cJSON *list = cJSON_AddArrayToObject(object, key);
+    for (size_t i = 0; name[i]; i++)
+        cJSON_AddItemToArray(list, cJSON_CreateString(name[i]));
+}
+
+static void add_outputs(cJSON *object)
+{
+    cJSON *list = cJSON_AddArrayToObject(object, "outputs");
+    for (uint32_t bit = 1; bit; bit <<= 1)
+        if (glint_output_name(bit))
+            cJSON_AddItemToArray(list, cJSON_CreateString(glint_output_name(bit)));
+}
+
+static void add_dials(cJSON *object)
+{
+    cJSON *dials = cJSON_AddArrayToObject(object, "dials");
+    for (int d = 0; d < GLINT_DIAL_COUNT; d++) {
+        const struct glint_dial_row *row = &glint_dial_table[d];
+        cJSON *o = cJSON_CreateObject();
+        cJSON_AddStringToObject(o, "name", row->name);
+        cJSON_AddStringToObject(o, "parent", row->parent);
+        cJSON_AddStringToObject(o, "exact", row->setting[0]);
+        add_names(o, "approximations", row->setting + 1);
+        cJSON_AddItemToArray(dials, o);
+    }
+}
+
+static void add_presets(cJSON *object)
+{
+    cJSON *presets = cJSON_AddArrayToObject(object, "presets");
+    for (size_t p = 0; p < glint_preset_count; p++) {
+        cJSON *o = cJSON_CreateObject();
+        cJSON_AddStringToObject(o, "name", glint_preset_table[p].name);
+        cJSON *settings = cJSON_AddObjectToObject(o, "settings");
+        for (int d = 0; d < GLINT_DIAL_COUNT; d++)
+            cJSON_AddStringToObject(
+                settings, glint_dial_table[d].name,
+                glint_dial_table[d].setting[glint_preset_table[p].setting[d]]);
+        cJSON_AddItemToArray(presets, o);
+    }
+}
+
+static void add_tonemaps(cJSON *object)
+{
+    cJSON *list = cJSON_AddArrayToObject(object, "tonemaps");
+    for (int i = 0; i < GLINT_TONEMAP_COUNT; i++)
+        cJSON_AddItemToArray(list, cJSON_CreateString(glint_tonemap_table[i].name));
+}
+
+void glint_http_service_describe(struct glint_request *r)
+{
+    static const char *const types[] = {"model/gltf-binary", "application/json", NULL};
+    const glint_http *h = r->http;
+    cJSON *o = cJSON_CreateObject();
+    cJSON_AddStringToObject(o, "name", "glint");
+    cJSON_AddStringToObject(o, "version", h->version ? h->version : "");
+    cJSON *device = cJSON_CreateObject();
+    cJSON_AddStringToObject(device, "name", glint_devices_name(h->devices));
+    cJSON_AddStringToObject(device, "version", glint_devices_version(h->devices));
+    cJSON_AddNumberToObject(device, "workers", glint_devices_workers(h->devices));
+    cJSON_AddItemToArray(cJSON_AddArrayToObject(o, "devices"), device);
+    add_names(o, "scene_types", types);
+    add_outputs(o);
+    add_tonemaps(o);
+    add_dials(o);
+    add_presets(o);
+    cJSON *limits = cJSON_AddObjectToObject(o, "limits");
+    cJSON_AddNumberToObject(limits, "job_bytes", (double)h->limits.job_bytes);
+    cJSON_AddNumberToObject(limits, "scene_bytes", (double)h->limits.scene_bytes);
+    cJSON_AddNumberToObject(limits, "connections", h->limits.connections);
+    cJSON_AddNumberToObject(limits, "streams", h->limits.streams);
+    cJSON_AddNumberToObject(limits, "side_pixels", GLINT_MAX_SIDE);
+    cJSON_AddNumberToObject(limits, "samples", GLINT_MAX_SAMPLES);
+    glint_answer_json(r, MHD_HTTP_OK, o);
+}

@@ -1,0 +1,143 @@
+// tiles.c - GET /v1/jobs/{id}/tiles.
+//
+// A client's cursor is one number, the version of the last tile it was sent: versions come from
+// one counter of the render, so the tile whose version is the smallest above the cursor is always
+// the next, and versions that were superseded in between are never seen.
+#include "base/log.h"
+#include "http/answer.h"
+#include "http/resources.h"
+#include "http/stream.h"
+#include "protocol/exr.h"
+#include "protocol/multipart.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define BATCH_BYTES 65536 // what a slow reader may find outdated
+#define ZIP_LEVEL 4
+
+struct tiles {
+    struct glint_stream stream;
+    char job[GLINT_JOB_ID_BYTES];
+    uint64_t cursor;
+};
+
+// The next tile's index, or the number of tiles when none is new.
+static uint32_t next_tile(const glint_render *render, uint64_t cursor, uint64_t *version)
+{
+    const uint32_t tiles = glint_render_tiles(render);
+    uint32_t best = tiles;
+    for (uint32_t t = 0; t < tiles; t++) {
+        const uint64_t v = glint_render_tile_version(render, t);
+        if (v > cursor && (best == tiles || v < *version)) {
+            best = t;
+            *version = v;
+        }
+    }
+    return best;
+}
+
+static bool add_part(struct tiles *s, const struct glint_job_view *view, uint32_t tile,
+                     uint32_t samples, const uint8_t *bytes, size_t size)
+{
+    char text[GLINT_MULTIPART_HEAD_BYTES];
+    struct glint_multipart_head head = {.type = "image/x-exr", .length = size, .has_tile = true,
+        .samples = samples, .sequence = s->cursor};
+    glint_render_tile_rect(view->render, tile, head.tile);
+    strncpy(head.revision, view->revision, sizeof head.revision - 1);
+    return glint_stream_add(&s->stream, text, glint_multipart_write_head(text, &head)) &&
+           glint_stream_add(&s->stream, bytes, size);
+}
+
+static bool add_tile(struct tiles *s, const struct glint_job_view *view, uint32_t tile)
+{
+    static const struct glint_exr_options options = {
+        .compression = GLINT_EXR_ZIP, .layout = GLINT_EXR_SINGLE, .zip_level = ZIP_LEVEL};
+    struct glint_error err = {0};
+    struct glint_frame *frame = NULL;
+    uint8_t *bytes = NULL;
+    size_t size = 0;
+    uint32_t samples = 0;
+    uint64_t version;
+    glint_status st = glint_render_tile(view->render, tile, &frame, &samples, &version, &err);
+    if (!st)
+        st = glint_exr_write(frame, &options, &bytes, &size, NULL, &err);
+    if (st)
+        glint_log(GLINT_LOG_WARNING, "http", s->job, NULL, "tile stream ends: %s",
+                  glint_error_text(&err));
+    const bool added = !st && add_part(s, view, tile, samples, bytes, size);
+    glint_error_finish(&err);
+    glint_frame_destroy(&frame);
+    free(bytes);
+    return added;
+}
+
+// False: the stream ends.
+static bool add_tiles(struct tiles *s, const struct glint_job_view *view)
+{
+    while (s->stream.length < BATCH_BYTES) {
+        uint64_t version = 0;
+        const uint32_t tile = next_tile(view->render, s->cursor, &version);
+        if (tile == glint_render_tiles(view->render)) {
+            if (view->state < GLINT_JOB_DONE)
+                return true;
+            glint_stream_add(&s->stream, GLINT_MULTIPART_END, strlen(GLINT_MULTIPART_END));
+            return false;
+        }
+        // Not the version that is read: a newer one comes in its turn, after the tiles between.
+        s->cursor = version;
+        if (!add_tile(s, view, tile))
+            return false;
+    }
+    return true;
+}
+
+static bool fill(struct glint_stream *stream)
+{
+    struct tiles *s = (struct tiles *)stream;
+    struct glint_job_view view;
+    const glint_status st = glint_jobs_view(stream->http->jobs, s->job, &view, NULL);
+    if (st)
+        return st == GLINT_E_BUSY;
+    const bool more = view.render ? add_tiles(s, &view) : view.state < GLINT_JOB_DONE;
+    glint_jobs_release(stream->http->jobs, &view);
+    return more;
+}
+
+static void destroy(struct glint_stream *stream)
+{
+    free(stream);
+}
+
+// Whether there is such a job, with or without pixels yet.
+static bool check_job(struct glint_request *r, struct glint_error *err)
+{
+    struct glint_job_view view;
+    const glint_status st = glint_jobs_view(r->http->jobs, r->argument[0], &view, err);
+    if (!st)
+        glint_jobs_release(r->http->jobs, &view);
+    if (st == GLINT_E_BUSY)
+        glint_error_finish(err);
+    return !st || st == GLINT_E_BUSY;
+}
+
+void glint_http_tiles_stream(struct glint_request *r)
+{
+    struct glint_error err = {0};
+    uint64_t since = 0;
+    glint_query_integer(r, "since", UINT64_MAX, &since, &err);
+    if (err.count || !check_job(r, &err)) {
+        glint_answer_error(r, &err);
+        return;
+    }
+    struct tiles *s = calloc(1, sizeof *s);
+    if (!s) {
+        glint_answer_response(r, 0, NULL);
+        return;
+    }
+    s->stream.fill = fill;
+    s->stream.destroy = destroy;
+    s->cursor = since;
+    strcpy(s->job, r->argument[0]); // it is a job's
+    glint_stream_start(r, &s->stream, GLINT_MULTIPART_TYPE);
+}
