@@ -36,6 +36,7 @@ static bool read_field(const struct glint_json *at, const struct glint_field *f,
     case GLINT_FIELD_FLOAT:
         return f->count ? glint_json_floats(at, f->count, low, high, to)
                         : glint_json_float(at, low, high, to);
+    case GLINT_FIELD_DOUBLE: return glint_json_double(at, f->low, f->high, to);
     case GLINT_FIELD_UINT:
         return f->count ? glint_json_uints(at, f->count, (uint32_t)f->low, (uint32_t)f->high, to)
                         : glint_json_uint(at, (uint32_t)f->low, (uint32_t)f->high, to);
@@ -78,6 +79,7 @@ static void write_value(struct glint_text *t, const struct glint_field *f, const
         else
             glint_text_float(t, *(const float *)from);
         break;
+    case GLINT_FIELD_DOUBLE: glint_text_double(t, *(const double *)from); break;
     case GLINT_FIELD_UINT:
         if (f->count)
             write_uints(t, from, f->count);

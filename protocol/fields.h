@@ -12,6 +12,7 @@
 enum glint_field_kind {
     GLINT_FIELD_END,
     GLINT_FIELD_FLOAT,  // float, or an array of `count` where that is not 0
+    GLINT_FIELD_DOUBLE, // double
     GLINT_FIELD_UINT,   // uint32_t, likewise
     GLINT_FIELD_INT,    // int32_t
     GLINT_FIELD_BOOL,   // bool

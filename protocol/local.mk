@@ -20,7 +20,11 @@ libglint_a_SOURCES = \
 	protocol/frame.c \
 	protocol/frame.h \
 	protocol/half.h \
+	protocol/job.c \
 	protocol/job.h \
+	protocol/job_parse.c \
+	protocol/job_parts.h \
+	protocol/job_write.c \
 	protocol/json.c \
 	protocol/json.h \
 	protocol/json_check.c \
@@ -29,6 +33,8 @@ libglint_a_SOURCES = \
 	protocol/multipart.h \
 	protocol/png.c \
 	protocol/png.h \
+	protocol/problem.c \
+	protocol/problem.h \
 	protocol/scene.c \
 	protocol/scene.h \
 	protocol/scene_asset.c \

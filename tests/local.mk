@@ -15,11 +15,13 @@ UNIT_TESTS = \
 	tests/unit/test_dials \
 	tests/unit/test_exr \
 	tests/unit/test_frame \
+	tests/unit/test_job \
 	tests/unit/test_json \
 	tests/unit/test_log \
 	tests/unit/test_metrics \
 	tests/unit/test_multipart \
 	tests/unit/test_png \
+	tests/unit/test_problem \
 	tests/unit/test_queue \
 	tests/unit/test_scene \
 	tests/unit/test_status

@@ -1,0 +1,88 @@
+// job.c - the tables of a job: its outputs and its plain members.
+#include "protocol/job_parts.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const struct { uint32_t bit; const char *name; } outputs[] = {
+    {GLINT_OUT_BEAUTY, "beauty"},
+    {GLINT_OUT_CRYPTO_OBJECT, "crypto_object"},
+    {GLINT_OUT_CRYPTO_MATERIAL, "crypto_material"},
+    {GLINT_OUT_CRYPTO_ASSET, "crypto_asset"},
+    {GLINT_OUT_DEPTH, "depth"},
+    {GLINT_OUT_NORMAL, "normal"},
+    {GLINT_OUT_ALBEDO, "albedo"},
+    {GLINT_OUT_SAMPLES, "samples"},
+    {GLINT_OUT_VARIANCE, "variance"},
+};
+
+static const char *const filters[] = {"box", "blackman_harris", NULL};
+const float glint_filter_widths[] = {[GLINT_FILTER_BOX] = 1, [GLINT_FILTER_BLACKMAN_HARRIS] = 1.5f};
+
+const struct glint_field glint_job_fields[] = {
+    GLINT_FIELD(STRING, struct glint_job, scene),
+    GLINT_FIELD(STRING, struct glint_job, name),
+    GLINT_FIELD_KNOWN("camera"),
+    GLINT_FIELD_KNOWN("resolution"),
+    GLINT_FIELD_KNOWN("region"),
+    GLINT_FIELD_KNOWN("outputs"),
+    GLINT_FIELD_KNOWN("accuracy"),
+    GLINT_FIELD_KNOWN("mattes"),
+    GLINT_FIELD_KNOWN("filter"),
+    GLINT_FIELD_KNOWN("stop"),
+    GLINT_FIELD_KNOWN("live"),
+    GLINT_FIELD(UINT, struct glint_job, frame, .high = UINT32_MAX),
+    GLINT_FIELD(UINT, struct glint_job, max_bounces, .high = 1024),
+    GLINT_FIELD(UINT, struct glint_job, seed, .high = UINT32_MAX),
+    GLINT_FIELD(INT, struct glint_job, priority, .low = -100, .high = 100),
+    {0},
+};
+
+const struct glint_field glint_filter_fields[] = {
+    {.name = "kind", .kind = GLINT_FIELD_CHOICE, .offset = offsetof(struct glint_job, filter),
+     .choices = filters},
+    {.name = "width", .kind = GLINT_FIELD_FLOAT, .offset = offsetof(struct glint_job, filter_width),
+     .low = 0.5, .high = 16},
+    {0},
+};
+
+const struct glint_field glint_stop_fields[] = {
+    GLINT_FIELD(UINT, struct glint_job_stop, samples, .low = 1, .high = GLINT_MAX_SAMPLES),
+    GLINT_FIELD(DOUBLE, struct glint_job_stop, seconds, .low = 1e-3, .high = 1e9),
+    GLINT_FIELD(DOUBLE, struct glint_job_stop, error, .low = 1e-9, .high = 1e9),
+    {0},
+};
+
+const struct glint_field glint_matte_fields[] = {
+    {.name = "slots", .kind = GLINT_FIELD_UINT, .offset = offsetof(struct glint_job, matte_slots),
+     .low = 4, .high = 32},
+    {.name = "levels", .kind = GLINT_FIELD_UINT, .offset = offsetof(struct glint_job, matte_levels),
+     .low = 1, .high = 20},
+    {0},
+};
+
+uint32_t glint_output_from_name(const char *name)
+{
+    for (size_t i = 0; i < sizeof outputs / sizeof *outputs; i++)
+        if (strcmp(outputs[i].name, name) == 0)
+            return outputs[i].bit;
+    return 0;
+}
+
+const char *glint_output_name(uint32_t bit)
+{
+    for (size_t i = 0; i < sizeof outputs / sizeof *outputs; i++)
+        if (outputs[i].bit == bit)
+            return outputs[i].name;
+    return NULL;
+}
+
+void glint_job_destroy(struct glint_job **job)
+{
+    if (!*job)
+        return;
+    struct glint_arena arena = (*job)->arena;
+    glint_arena_finish(&arena);
+    free(*job);
+    *job = NULL;
+}

@@ -1,0 +1,306 @@
+#include "protocol/job.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// JSON without the backslashes.
+static char *json(const char *quoted)
+{
+    char *text = strdup(quoted);
+    for (char *c = text; *c; c++)
+        if (*c == '\'')
+            *c = '"';
+    return text;
+}
+
+static struct glint_job *parse(const char *quoted)
+{
+    struct glint_error err = {0};
+    struct glint_job *job;
+    char *text = json(quoted);
+    if (glint_job_parse(&job, text, strlen(text), &err))
+        fail_msg("%s: %s", err.fault[0].pointer, err.fault[0].detail);
+    free(text);
+    return job;
+}
+
+// Exactly one fault at each pointer ("|" between), whose detail has the words after "=".
+static void refuse(const char *quoted, const char *faults)
+{
+    struct glint_error err = {0};
+    struct glint_job *job;
+    char *text = json(quoted), *want = strdup(faults), *rest = want;
+    assert_int_equal(glint_job_parse(&job, text, strlen(text), &err), GLINT_E_RANGE);
+    assert_null(job);
+    size_t wanted = 0;
+    for (char *p; (p = strsep(&rest, "|")); wanted++) {
+        char *words = strchr(p, '=');
+        size_t i = 0;
+        if (words)
+            *words++ = '\0';
+        while (i < err.count && strcmp(err.fault[i].pointer, p))
+            i++;
+        if (i == err.count)
+            fail_msg("no fault at %s, but at %s: %s", p, err.fault[0].pointer, err.fault[0].detail);
+        if (words && !strstr(err.fault[i].detail, words))
+            fail_msg("%s: %s", p, err.fault[i].detail);
+    }
+    assert_int_equal(err.count, wanted);
+    glint_error_finish(&err);
+    free(text);
+    free(want);
+}
+
+static void only_the_scene_is_required(void **state)
+{
+    (void)state;
+    struct glint_job *j = parse("{'scene':'bathroom'}");
+    assert_string_equal(j->scene, "bathroom");
+    assert_string_equal(j->name, "");
+    assert_null(j->camera_name);
+    assert_false(j->has_camera);
+    assert_true(j->width == 1280 && j->height == 720);
+    assert_memory_equal(j->region, ((uint32_t[]){0, 0, 1280, 720}), 16);
+    assert_int_equal(j->outputs, GLINT_OUT_BEAUTY | GLINT_OUT_CRYPTO);
+    assert_memory_equal(j->dial, glint_preset_table[0].setting, GLINT_DIAL_COUNT);
+    assert_true(j->matte_slots == 12 && j->matte_levels == 6);
+    assert_true(j->filter == GLINT_FILTER_BLACKMAN_HARRIS && j->filter_width == 1.5f);
+    assert_true(j->max_bounces == 8 && j->seed == 0 && j->frame == 0 && j->priority == 0);
+    assert_true(j->stop.samples == 256 && j->stop.seconds == 0 && j->stop.error == 0);
+    glint_job_destroy(&j);
+    assert_null(j);
+    refuse("{}", "/scene=required");
+    refuse("[]", "=an object");
+}
+
+static void three_faults_are_one_error_that_names_all_three(void **state)
+{
+    (void)state;
+    refuse("{'scene':'a','resolution':[0,720],'camera':{'yfov':4},'stop':{'samples':0}}",
+           "/resolution/0|/camera/yfov|/stop/samples");
+}
+
+static void unknown_members_are_faults_that_say_what_exists(void **state)
+{
+    (void)state;
+    refuse("{'scene':'a','surfels':{'count':1},'poisson':{},'layers':{},'split':{},'shutter':[0,0.5],'smaples':1}",
+           "/surfels=max_bounces|/poisson|/layers|/split|/shutter|/smaples");
+    refuse("{'scene':'a','accuracy':{'through':'none','speed':1},'mattes':{'gi':'path','alpha':0.1,'classes':false},"
+           "'filter':{'radius':1},'stop':{'sample':1},'camera':{'yfov':1,'fov':1}}",
+           "/accuracy/through=traversal|/accuracy/speed|/mattes/gi|/mattes/alpha=eviction|/mattes/classes|"
+           "/filter/radius=kind, width|/stop/sample|/camera/fov");
+}
+
+static void settings_of_methods_that_do_not_exist_are_faults(void **state)
+{
+    (void)state;
+    refuse("{'scene':'a','live':true,'outputs':['beauty','motion','gi'],"
+           "'accuracy':{'preset':'preview','gi':'surfel','transparency':'layered','primary':'split'},"
+           "'mattes':{'through':'glossy','eviction':'uss'}}",
+           "/live|/outputs/1=crypto_asset|/outputs/2|/accuracy/preset=production, reference|"
+           "/accuracy/gi=path, none|/accuracy/transparency=traced|/accuracy/primary=full|"
+           "/mattes/through=none|/mattes/eviction=drop, direct_first");
+    struct glint_job *j = parse("{'scene':'a','live':false}");
+    glint_job_destroy(&j);
+}
+
+static void a_preset_sets_the_dials_and_explicit_ones_override_it(void **state)
+{
+    (void)state;
+    struct glint_job *j = parse("{'scene':'a','accuracy':{'gi':'none','lights':'uniform','preset':'reference'},"
+                                "'mattes':{'eviction':'direct_first'}}");
+    for (int d = 0; d < GLINT_DIAL_COUNT; d++)
+        assert_int_equal(j->dial[d], d == GLINT_DIAL_GI || d == GLINT_DIAL_LIGHTS || d == GLINT_DIAL_EVICTION);
+    glint_job_destroy(&j);
+}
+
+static void a_stop_without_samples_imposes_none(void **state)
+{
+    (void)state;
+    struct glint_job *j = parse("{'scene':'a','stop':{'seconds':2.5,'error':0.01}}");
+    assert_int_equal(j->stop.samples, GLINT_MAX_SAMPLES);
+    assert_true(j->stop.seconds == 2.5 && j->stop.error == 0.01);
+    glint_job_destroy(&j);
+    refuse("{'scene':'a','stop':{'samples':16777217,'seconds':0,'error':-1}}",
+           "/stop/samples|/stop/seconds|/stop/error");
+    refuse("{'scene':'a','stop':256}", "/stop=an object");
+}
+
+static void the_region_lies_inside_the_resolution(void **state)
+{
+    (void)state;
+    struct glint_job *j = parse("{'scene':'a','resolution':[100,50],'region':[99,0,1,50]}");
+    assert_memory_equal(j->region, ((uint32_t[]){99, 0, 1, 50}), 16);
+    glint_job_destroy(&j);
+    refuse("{'scene':'a','resolution':[100,50],'region':[99,0,2,50]}", "/region");
+    refuse("{'scene':'a','resolution':[100,50],'region':[0,0,0,50]}", "/region");
+    refuse("{'scene':'a','resolution':[100,50],'region':[0,0,-1,50]}", "/region/2");
+    refuse("{'scene':'a','resolution':[16385,50],'region':[0,0,16000,16000]}", "/resolution/0");
+    refuse("{'scene':'a','resolution':[100.5,50]}", "/resolution/0=integer");
+    refuse("{'scene':'a','resolution':[100]}", "/resolution=2 numbers");
+}
+
+static void slots_are_even_and_twice_the_levels(void **state)
+{
+    (void)state;
+    struct glint_job *j = parse("{'scene':'a','mattes':{'levels':9}}");
+    assert_int_equal(j->matte_slots, 18);
+    glint_job_destroy(&j);
+    j = parse("{'scene':'a','mattes':{'levels':2,'slots':4}}");
+    assert_int_equal(j->matte_slots, 4);
+    glint_job_destroy(&j);
+    refuse("{'scene':'a','mattes':{'levels':3,'slots':4}}", "/mattes/slots=at least 6");
+    refuse("{'scene':'a','mattes':{'slots':13}}", "/mattes/slots=even");
+    refuse("{'scene':'a','mattes':{'levels':17}}", "/mattes/levels");
+    refuse("{'scene':'a','mattes':{'levels':21,'slots':34}}", "/mattes/levels|/mattes/slots");
+}
+
+static void a_filter_has_the_width_of_its_kind_by_default(void **state)
+{
+    (void)state;
+    struct glint_job *j = parse("{'scene':'a','filter':{'kind':'box'}}");
+    assert_true(j->filter == GLINT_FILTER_BOX && j->filter_width == 1);
+    glint_job_destroy(&j);
+    j = parse("{'scene':'a','filter':{'width':2}}");
+    assert_true(j->filter == GLINT_FILTER_BLACKMAN_HARRIS && j->filter_width == 2);
+    glint_job_destroy(&j);
+    refuse("{'scene':'a','filter':{'kind':'gauss','width':17}}", "/filter/kind=box|/filter/width");
+}
+
+static void a_camera_is_a_name_or_an_object(void **state)
+{
+    (void)state;
+    struct glint_job *j = parse("{'scene':'a','camera':'Camera.001'}");
+    assert_string_equal(j->camera_name, "Camera.001");
+    glint_job_destroy(&j);
+    j = parse("{'scene':'a','camera':{'yfov':0.5,'transform':{'translation':[1,2,3]}}}");
+    assert_true(j->has_camera && j->camera.yfov == 0.5f && j->camera.transform[13] == 2);
+    assert_null(j->camera_name);
+    glint_job_destroy(&j);
+    refuse("{'scene':'a','camera':7}", "/camera");
+    refuse("{'scene':'a','camera':{}}", "/camera/yfov=required");
+}
+
+static void names_and_numbers_have_their_limits(void **state)
+{
+    (void)state;
+    refuse("{'scene':'a/b'}", "/scene");
+    refuse("{'scene':''}", "/scene");
+    refuse("{'scene':7}", "/scene");
+    refuse("{'scene':'a','max_bounces':1025,'seed':-1,'priority':101,'frame':1.5,'name':null}",
+           "/max_bounces|/seed|/priority|/frame|/name");
+    refuse("{'scene':'a','outputs':[]}", "/outputs");
+    refuse("{'scene':'a','outputs':['depth','depth']}", "/outputs/1=twice");
+    refuse("{'scene':'a','scene':'b'}", "/scene=more than once");
+}
+
+static void outputs_have_names_both_ways(void **state)
+{
+    (void)state;
+    uint32_t all = 0;
+    for (int bit = 0; bit < 32; bit++)
+        if (glint_output_name(1u << bit)) {
+            assert_int_equal(glint_output_from_name(glint_output_name(1u << bit)), 1u << bit);
+            all |= 1u << bit;
+        }
+    assert_int_equal(all, (GLINT_OUT_VARIANCE << 1) - 1);
+    assert_int_equal(glint_output_from_name("motion"), 0);
+    assert_null(glint_output_name(3));
+}
+
+static void assert_same(const struct glint_job *a, const struct glint_job *b)
+{
+    assert_string_equal(a->scene, b->scene);
+    assert_string_equal(a->name, b->name);
+    assert_int_equal(!a->camera_name, !b->camera_name);
+    if (a->camera_name)
+        assert_string_equal(a->camera_name, b->camera_name);
+    assert_int_equal(a->has_camera, b->has_camera);
+    assert_memory_equal(a->camera.transform, b->camera.transform, sizeof a->camera.transform);
+    assert_true(a->camera.yfov == b->camera.yfov && a->camera.lens_radius == b->camera.lens_radius);
+    assert_true(a->camera.focus_distance == b->camera.focus_distance);
+    assert_true(a->width == b->width && a->height == b->height && a->outputs == b->outputs);
+    assert_memory_equal(a->region, b->region, sizeof a->region);
+    assert_memory_equal(a->dial, b->dial, sizeof a->dial);
+    assert_true(a->matte_slots == b->matte_slots && a->matte_levels == b->matte_levels);
+    assert_true(a->filter == b->filter && a->filter_width == b->filter_width);
+    assert_true(a->max_bounces == b->max_bounces && a->seed == b->seed && a->frame == b->frame);
+    assert_true(a->stop.samples == b->stop.samples && a->stop.seconds == b->stop.seconds);
+    assert_true(a->stop.error == b->stop.error && a->priority == b->priority);
+}
+
+static void parsing_what_was_written_gives_an_equal_job(void **state)
+{
+    (void)state;
+    static const char *const jobs[] = {
+        "{'scene':'a'}", "{'scene':'a','stop':{}}",
+        "{'scene':'s-1.2_3','name':'shot \\u00e4 \\n','camera':'Cam','resolution':[33,7],'region':[1,2,3,4],"
+        "'frame':1001,'outputs':['variance','depth'],'accuracy':{'preset':'reference','gi':'none'},"
+        "'mattes':{'eviction':'direct_first','slots':32,'levels':16},'filter':{'kind':'box','width':0.7},"
+        "'max_bounces':0,'seed':4294967295,'stop':{'samples':3,'seconds':0.1,'error':1e-3},'priority':-100}",
+        "{'scene':'a','camera':{'name':'c','yfov':0.7,'lens_radius':0.1,'focus_distance':3,"
+        "'transform':{'rotation':[0.1,0.2,0.3,0.9],'translation':[0.1,0.2,0.3]}}}",
+    };
+    for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
+        struct glint_job *a = parse(jobs[i]), *b;
+        char *text = glint_job_write(a);
+        assert_null(strchr(text, '\n'));
+        struct glint_error err = {0};
+        if (glint_job_parse(&b, text, strlen(text), &err))
+            fail_msg("%s: %s in %s", err.fault[0].pointer, err.fault[0].detail, text);
+        assert_same(a, b);
+        char *again = glint_job_write(b);
+        assert_string_equal(again, text);
+        free(again);
+        free(text);
+        glint_job_destroy(&a);
+        glint_job_destroy(&b);
+    }
+}
+
+static void defaults_that_are_spelled_out_give_an_equal_job(void **state)
+{
+    (void)state;
+    struct glint_job *a = parse("{'scene':'a'}");
+    char *text = glint_job_write(a);
+    assert_string_equal(text,
+        "{\"scene\":\"a\",\"name\":\"\",\"frame\":0,\"max_bounces\":8,\"seed\":0,\"priority\":0,"
+        "\"resolution\":[1280,720],\"region\":[0,0,1280,720],"
+        "\"outputs\":[\"beauty\",\"crypto_object\",\"crypto_material\",\"crypto_asset\"],"
+        "\"accuracy\":{\"gi\":\"path\",\"transparency\":\"traced\",\"primary\":\"full\","
+        "\"precision\":\"float32\",\"traversal\":\"fast\",\"roulette\":\"throughput\",\"lights\":\"power\"},"
+        "\"mattes\":{\"slots\":12,\"levels\":6,\"through\":\"none\",\"eviction\":\"drop\"},"
+        "\"filter\":{\"kind\":\"blackman_harris\",\"width\":1.5},\"stop\":{\"samples\":256}}");
+    free(text);
+    glint_job_destroy(&a);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(only_the_scene_is_required),
+        cmocka_unit_test(three_faults_are_one_error_that_names_all_three),
+        cmocka_unit_test(unknown_members_are_faults_that_say_what_exists),
+        cmocka_unit_test(settings_of_methods_that_do_not_exist_are_faults),
+        cmocka_unit_test(a_preset_sets_the_dials_and_explicit_ones_override_it),
+        cmocka_unit_test(a_stop_without_samples_imposes_none),
+        cmocka_unit_test(the_region_lies_inside_the_resolution),
+        cmocka_unit_test(slots_are_even_and_twice_the_levels),
+        cmocka_unit_test(a_filter_has_the_width_of_its_kind_by_default),
+        cmocka_unit_test(a_camera_is_a_name_or_an_object),
+        cmocka_unit_test(names_and_numbers_have_their_limits),
+        cmocka_unit_test(outputs_have_names_both_ways),
+        cmocka_unit_test(parsing_what_was_written_gives_an_equal_job),
+        cmocka_unit_test(defaults_that_are_spelled_out_give_an_equal_job),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
