@@ -130,6 +130,12 @@ GK_INLINE struct gk_vec gk_refract(struct gk_vec wo, struct gk_vec h, gk_f32 cos
     return gk_scale(gk_along(gk_negate(wo), h, along_h), 1.0f / eta);
 }
 
+// An interface between equal indices passes everything straight on, however rough: a delta lobe.
+GK_INLINE gk_i32 gk_surface_matched(const struct gk_surface *s)
+{
+    return !s->thin && gk_abs(s->eta - 1.0f) < 1e-4f;
+}
+
 GK_INLINE void gk_facet_eval(const struct gk_surface *s, struct gk_vec wo, struct gk_vec wi,
                              struct gk_bsdf_value *value)
 {
@@ -141,13 +147,20 @@ GK_INLINE void gk_facet_eval(const struct gk_surface *s, struct gk_vec wo, struc
     const struct gk_vec mirrored = gk_vec(wi.x, wi.y, zi);
     const struct gk_vec sum =
         gk_vec_select(gk_add(wo, mirrored), gk_negate(gk_along(wo, wi, s->eta)), bent);
-    struct gk_vec h = gk_normalise(sum);
-    h = gk_vec_select(h, gk_negate(h), h.z < 0.0f);
-    const gk_f32 hi = bent ? gk_dot(wi, h) : gk_dot(mirrored, h);
 #else
-    const struct gk_vec h = gk_normalise(gk_add(wo, wi));
+    const struct gk_vec sum = gk_add(wo, wi);
 #endif
-    const gk_f32 ho = gk_dot(wo, h);
+    // Half the length of the sum of two unit vectors is its cosine with either: the same bits when
+    // they change places.
+    const gk_f32 length = gk_sqrt(gk_dot(sum, sum));
+    struct gk_vec h = gk_scale(sum, 1.0f / gk_max(length, 1e-20f));
+#ifdef GK_TRANSMISSION
+    h = gk_vec_select(h, gk_negate(h), h.z < 0.0f);
+    const gk_f32 hi = gk_dot(wi, h);
+    const gk_f32 ho = bent ? gk_dot(wo, h) : 0.5f * length;
+#else
+    const gk_f32 ho = 0.5f * length;
+#endif
     const gk_f32 so = gk_ggx_s(wo.z, a2), si = gk_ggx_s(zi, a2);
     const gk_f32 d = gk_ggx_d(h, a2);
     const gk_f32 masked = 2.0f * zi / (so * zi + si * wo.z); // G2/wo.z
@@ -162,7 +175,7 @@ GK_INLINE void gk_facet_eval(const struct gk_surface *s, struct gk_vec wo, struc
     const gk_f32 jacobian = gk_abs(hi) / gk_max(base * base, 1e-30f);
     f = bent ? d * masked * ho * jacobian / (s->eta * s->eta) : f;
     pdf = bent ? d * visible * ho * jacobian : pdf;
-    valid = valid && (!bent || hi < 0.0f);
+    valid = valid && (!bent || (hi < 0.0f && !gk_surface_matched(s)));
     const struct gk_vec albedo = gk_vec_select(m.refract, m.reflect, same);
     const gk_f32 chosen = same ? m.p_reflect : 1.0f - m.p_reflect;
 #else
@@ -195,12 +208,13 @@ GK_INLINE void gk_facet_sample(const struct gk_surface *s, struct gk_vec wo, gk_
     const gk_f32 wr = 1.0f / gk_max(p * m.p_reflect, 1e-20f);
     const gk_f32 wt = scale / gk_max(p * (1.0f - m.p_reflect), 1e-20f);
     out->weight = gk_vec_select(gk_scale(m.refract, wt), gk_scale(m.reflect, wr), reflect);
+    out->delta = s->delta || (!reflect && gk_surface_matched(s));
 #else
     (void)u_lobe;
     out->wi = reflected;
     out->weight = gk_scale(m.reflect, 1.0f / gk_max(p * m.p_reflect, 1e-20f));
-#endif
     out->delta = s->delta;
+#endif
 }
 
 #endif // GK_MICROFACET

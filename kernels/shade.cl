@@ -163,13 +163,18 @@ GK_INLINE void gk_sample_light(__global float *wave, gk_u32 stride, gk_u32 i,
     const struct gk_vec c = gk_scale(gk_mul(gk_mul(path->beta, value.f), s.L), w / s.pdf);
     const gk_i32 useful = active && side * wi.z > 0.0f && gk_max3(c) > 0.0f && s.distance > 0.0f;
     const struct gk_vec o = gk_vec_select(back, front, side > 0.0f);
+    // From the lifted origin to the same target: with p's distance the ray would overshoot it.
+    const gk_i32 finite = s.distance < GK_INFINITY;
+    const struct gk_vec to = gk_sub(gk_along(p, s.wi, finite ? s.distance : 0.0f), o);
+    const gk_f32 length = gk_sqrt(gk_dot(to, to));
+    const struct gk_vec d = gk_vec_select(s.wi, gk_scale(to, 1.0f / gk_max(length, 1e-37f)), finite);
     GK_STORE(GK_COL_SOX, i, o.x);
     GK_STORE(GK_COL_SOY, i, o.y);
     GK_STORE(GK_COL_SOZ, i, o.z);
-    GK_STORE(GK_COL_SDX, i, s.wi.x);
-    GK_STORE(GK_COL_SDY, i, s.wi.y);
-    GK_STORE(GK_COL_SDZ, i, s.wi.z);
-    GK_STORE(GK_COL_ST, i, useful ? s.distance : -GK_INFINITY);
+    GK_STORE(GK_COL_SDX, i, d.x);
+    GK_STORE(GK_COL_SDY, i, d.y);
+    GK_STORE(GK_COL_SDZ, i, d.z);
+    GK_STORE(GK_COL_ST, i, useful ? (finite ? length : GK_INFINITY) : -GK_INFINITY);
     GK_STORE(GK_COL_SR, i, c.x);
     GK_STORE(GK_COL_SG, i, c.y);
     GK_STORE(GK_COL_SB, i, c.z);
