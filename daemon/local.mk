@@ -46,6 +46,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/data_uri.c \
 	daemon/scene/data_uri.h \
 	daemon/scene/environment.c \
+	daemon/scene/facts.c \
+	daemon/scene/facts.h \
 	daemon/scene/geometry.c \
 	daemon/scene/geometry.h \
 	daemon/scene/gltf.c \

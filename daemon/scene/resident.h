@@ -7,6 +7,7 @@
 
 #include "device/device.h"
 #include "protocol/scene.h"
+#include "scene/facts.h"
 
 typedef struct glint_resident glint_resident;
 
@@ -36,11 +37,6 @@ struct glint_resident_stats {
 void glint_resident_stats(const glint_resident *resident, struct glint_resident_stats *out);
 
 // What the scene contains, as far as the effects table asks.
-struct glint_scene_facts {
-    bool microfacet, transmission, textures, normal_maps, emission, light_table;
-    bool environment_image, environment_constant, instances, cutout;
-    uint32_t texture_pools;
-};
 const struct glint_scene_facts *glint_resident_facts(const glint_resident *resident);
 
 // Numbers for the frame constants.
@@ -76,8 +72,5 @@ struct glint_matte_key {
     uint32_t id[3];      // Cryptomatte IDs; 0 for an empty asset
 };
 uint32_t glint_resident_mattes(const glint_resident *resident, const struct glint_matte_key **keys);
-
-// Names of the effects that this scene calls for by itself, NULL-terminated, static strings.
-size_t glint_resident_effects(const glint_resident *resident, const char **out, size_t capacity);
 
 #endif
