@@ -5,16 +5,25 @@ if HAVE_CMOCKA
 UNIT_TESTS = \
 	tests/clients/test_sse \
 	tests/clients/test_uri \
+	tests/kernel/test_bsdf \
+	tests/kernel/test_bsdf_density \
+	tests/kernel/test_dialects \
 	tests/kernel/test_filter \
+	tests/kernel/test_fresnel \
 	tests/kernel/test_math \
 	tests/kernel/test_matte \
 	tests/kernel/test_sampler \
 	tests/unit/test_arena \
 	tests/unit/test_cryptomatte \
+	tests/unit/test_data_uri \
 	tests/unit/test_device \
 	tests/unit/test_dials \
 	tests/unit/test_exr \
 	tests/unit/test_frame \
+	tests/unit/test_image_decode \
+	tests/unit/test_import \
+	tests/unit/test_import_answer \
+	tests/unit/test_import_gltf \
 	tests/unit/test_job \
 	tests/unit/test_json \
 	tests/unit/test_log \
@@ -27,8 +36,17 @@ UNIT_TESTS = \
 	tests/unit/test_status
 check_PROGRAMS += $(UNIT_TESTS)
 endif
-check_PROGRAMS += tests/render/write_frame
+check_PROGRAMS += tests/render/write_frame tests/unit/import_dump
 tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
+
+# Measurements: built and run by name.
+EXTRA_PROGRAMS += tests/bench/exr_tile
+tests_bench_exr_tile_LDADD = $(PROTOCOL_LIBS)
+
+tests_unit_test_import_SOURCES = tests/unit/test_import.c tests/unit/glb_maker.c \
+	tests/unit/glb_maker.h
+tests_unit_test_import_gltf_SOURCES = tests/unit/test_import_gltf.c tests/unit/glb_maker.c \
+	tests/unit/glb_maker.h
 tests_clients_test_sse_LDADD = libglintcli.a $(LDADD)
 tests_clients_test_uri_LDADD = libglintcli.a $(LDADD)
 
@@ -44,6 +62,7 @@ SCRIPT_TESTS = \
 TESTS += $(UNIT_TESTS) $(SCRIPT_TESTS)
 dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap
 dist_check_DATA += tests/clients/cli.py tests/clients/fake_daemon.py \
+	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/surface.h \
 	tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/tap.py
 
 TEST_EXTENSIONS = .py .sh

@@ -1,0 +1,90 @@
+// surface.h - surfaces and directions for tests of gk_bsdf.h, with every lobe compiled in.
+#ifndef GLINT_TESTS_KERNEL_SURFACE_H
+#define GLINT_TESTS_KERNEL_SURFACE_H
+
+#define GK_MICROFACET 1
+#define GK_TRANSMISSION 1
+
+#include "kernels/gk_bsdf.h"
+#include "tests/kernel/check.h"
+
+struct material {
+    const char *name;
+    float base, metallic, transmission, roughness, ior;
+    int thin, leaving; // leaving: wo lies inside
+};
+
+// Reflectance of a dielectric in double. Source: Fresnel's equations, as printed in textbooks.
+static inline double exact_fresnel(double cos_i, double eta)
+{
+    const double sin2 = (1 - cos_i * cos_i) / (eta * eta);
+    if (eta == 1)
+        return 0; // at a cosine of 0 too
+    if (sin2 >= 1)
+        return 1;
+    const double cos_t = sqrt(1 - sin2);
+    const double s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+    const double p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    return 0.5 * (s * s + p * p);
+}
+
+static inline double exact_fresnel_mean(double eta)
+{
+    double sum = 0;
+    for (int i = 0; i < 2000; i++) {
+        const double c = (i + 0.5) / 2000;
+        sum += 2 * c * exact_fresnel(c, eta) / 2000;
+    }
+    return sum;
+}
+
+static inline struct gk_surface make_surface(const struct material *m, float cos_o)
+{
+    struct gk_surface s = {0};
+    s.base = gk_splat(m->base);
+    s.metallic = m->metallic;
+    s.transmission = m->transmission;
+    s.alpha = m->roughness * m->roughness;
+    s.eta = m->leaving ? 1.0f / m->ior : m->ior;
+    s.fresnel_mean = (float)exact_fresnel_mean(m->ior);
+    s.thin = m->thin;
+    gk_surface_prepare(&s, cos_o);
+    return s;
+}
+
+// Unit vector at azimuth `turn` (of 1), rounded once.
+static inline struct gk_vec direction(double cosine, double turn)
+{
+    const double r = sqrt(fmax(0, 1 - cosine * cosine));
+    return gk_vec((float)(r * cos(2 * M_PI * turn)), (float)(r * sin(2 * M_PI * turn)),
+                  (float)cosine);
+}
+
+static inline struct gk_vec random_direction(uint64_t *seed)
+{
+    return direction(2 * check_uniform(seed) - 1, check_uniform(seed));
+}
+
+static inline struct gk_vec random_upper(uint64_t *seed)
+{
+    return direction(0.001 + 0.999 * check_uniform(seed), check_uniform(seed));
+}
+
+static inline struct gk_bsdf_sample draw(const struct gk_surface *s, struct gk_vec wo,
+                                         uint64_t *seed)
+{
+    const float u_lobe = check_uniform(seed), u = check_uniform(seed);
+    return gk_bsdf_sample(s, wo, u_lobe, u, check_uniform(seed));
+}
+
+// f |cos| / pdf of a sample, as the integrator forms it; 0 for a rejected one.
+static inline double sample_weight(const struct gk_surface *s, struct gk_vec wo,
+                                   const struct gk_bsdf_sample *sample)
+{
+    if (sample->delta)
+        return gk_mean3(sample->weight);
+    const struct gk_bsdf_value value = gk_bsdf_eval(s, wo, sample->wi);
+    return value.pdf > 1e-30f ? gk_mean3(value.f) / value.pdf : 0;
+}
+
+#endif
