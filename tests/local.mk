@@ -43,6 +43,11 @@ tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
 EXTRA_PROGRAMS += tests/bench/exr_tile
 tests_bench_exr_tile_LDADD = $(PROTOCOL_LIBS)
 
+
+# Measurements: built and run by name.
+EXTRA_PROGRAMS += tests/bench/exr_tile
+tests_bench_exr_tile_LDADD = $(PROTOCOL_LIBS)
+
 tests_unit_test_import_SOURCES = tests/unit/test_import.c tests/unit/glb_maker.c \
 	tests/unit/glb_maker.h
 tests_unit_test_import_gltf_SOURCES = tests/unit/test_import_gltf.c tests/unit/glb_maker.c \

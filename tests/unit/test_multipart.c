@@ -204,6 +204,31 @@ static void a_nul_between_parts_is_refused(void **state)
     glint_multipart_reader_destroy(&r);
 }
 
+static void damaged_streams_do_no_harm(void **state)
+{
+    (void)state;
+    const struct glint_multipart_head head = {.type = "image/x-exr", .has_tile = true};
+    static const char *const body[] = {"one", "two", "three"};
+    char text[4096];
+    const size_t size = write_stream(text, &head, body, COUNT(body));
+    uint32_t seed = 3;
+    unsigned refused = 0;
+    for (int round = 0; round < 20000; round++) {
+        char damaged[4096];
+        memcpy(damaged, text, size);
+        for (int k = 0; k <= round % 4; k++) {
+            seed = seed * 1664525u + 1013904223u;
+            damaged[(seed >> 4) % size] = "\r\n-: 0129\0\xff"[(seed >> 20) % 11];
+        }
+        struct seen seen = {0};
+        glint_multipart_reader *r = make(&seen, 64);
+        refused += feed(r, damaged, size, 1 + seed % 64, NULL) != GLINT_OK;
+        assert_in_range(seen.parts, 0, 3);
+        glint_multipart_reader_destroy(&r);
+    }
+    assert_in_range(refused, 5000, 20000);
+}
+
 static void a_status_of_the_taker_ends_the_reading(void **state)
 {
     (void)state;
@@ -258,6 +283,7 @@ int main(void)
         cmocka_unit_test(broken_streams_are_refused),
         cmocka_unit_test(endless_heads_and_preambles_are_refused),
         cmocka_unit_test(a_nul_between_parts_is_refused),
+        cmocka_unit_test(damaged_streams_do_no_harm),
         cmocka_unit_test(a_status_of_the_taker_ends_the_reading),
         cmocka_unit_test(the_boundary_is_found_in_the_content_type),
     };
