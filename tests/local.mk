@@ -43,11 +43,6 @@ tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
 EXTRA_PROGRAMS += tests/bench/exr_tile
 tests_bench_exr_tile_LDADD = $(PROTOCOL_LIBS)
 
-
-# Measurements: built and run by name.
-EXTRA_PROGRAMS += tests/bench/exr_tile
-tests_bench_exr_tile_LDADD = $(PROTOCOL_LIBS)
-
 tests_unit_test_import_SOURCES = tests/unit/test_import.c tests/unit/glb_maker.c \
 	tests/unit/glb_maker.h
 tests_unit_test_import_gltf_SOURCES = tests/unit/test_import_gltf.c tests/unit/glb_maker.c \
@@ -62,6 +57,7 @@ SCRIPT_TESTS = \
 	tests/clients/cli_usage.py \
 	tests/render/test_exr_readers.py \
 	tests/unit/headers.sh \
+	tests/unit/import_corpora.py \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(SCRIPT_TESTS)
