@@ -22,7 +22,63 @@ libglintdaemon_a_SOURCES = \
 	daemon/device/program.h \
 	daemon/device/source.c \
 	daemon/device/sources.h \
+	daemon/http/answer.c \
+	daemon/http/answer.h \
+	daemon/http/blob.c \
+	daemon/http/blob.h \
+	daemon/http/body.c \
+	daemon/http/contract.h \
+	daemon/http/dispatch.c \
+	daemon/http/dispatch.h \
+	daemon/http/events.c \
+	daemon/http/events.h \
+	daemon/http/frame.c \
+	daemon/http/frames.c \
+	daemon/http/frames.h \
+	daemon/http/http.c \
+	daemon/http/http.h \
+	daemon/http/jobs.c \
+	daemon/http/mattes.c \
+	daemon/http/offload.c \
+	daemon/http/offload.h \
+	daemon/http/picture.c \
+	daemon/http/picture.h \
+	daemon/http/pixels.c \
+	daemon/http/pixels.h \
+	daemon/http/plan.c \
+	daemon/http/range.c \
+	daemon/http/range.h \
+	daemon/http/request.c \
+	daemon/http/request.h \
+	daemon/http/resources.h \
+	daemon/http/routes.c \
+	daemon/http/routes.h \
+	daemon/http/scenes.c \
+	daemon/http/server.h \
+	daemon/http/service.c \
+	daemon/http/stream.c \
+	daemon/http/stream.h \
+	daemon/http/tiles.c \
+	daemon/http/watch.c \
+	daemon/http/watch.h \
+	daemon/jobs/admit.c \
+	daemon/jobs/admit.h \
+	daemon/jobs/crew.c \
+	daemon/jobs/crew.h \
+	daemon/jobs/describe.c \
+	daemon/jobs/describe.h \
+	daemon/jobs/jobs.c \
 	daemon/jobs/jobs.h \
+	daemon/jobs/patch.c \
+	daemon/jobs/patch.h \
+	daemon/jobs/scheduler.c \
+	daemon/jobs/scheduler.h \
+	daemon/jobs/state.c \
+	daemon/jobs/state.h \
+	daemon/jobs/table.c \
+	daemon/jobs/table.h \
+	daemon/jobs/turn.c \
+	daemon/jobs/turn.h \
 	daemon/render/camera.c \
 	daemon/render/effects.c \
 	daemon/render/effects.h \
@@ -91,9 +147,12 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/records.c \
 	daemon/scene/resident.c \
 	daemon/scene/resident.h \
+	daemon/scene/revision.c \
+	daemon/scene/revision.h \
 	daemon/scene/rows.c \
 	daemon/scene/sha256.c \
 	daemon/scene/sha256.h \
+	daemon/scene/store.c \
 	daemon/scene/store.h \
 	daemon/scene/textures.c
 nodist_libglintdaemon_a_SOURCES = kernels/embedded.c

@@ -4,8 +4,8 @@
 #ifndef GLINT_BASE_CLOCK_H
 #define GLINT_BASE_CLOCK_H
 
-double glint_now(void);            // seconds, CLOCK_MONOTONIC
-double glint_thread_cpu(void);     // CPU seconds of the calling thread
-void glint_utc(char text[32]);     // RFC 3339, seconds
+double glint_now(void);        // seconds, CLOCK_MONOTONIC
+double glint_thread_cpu(void); // CPU seconds of the calling thread
+void glint_utc(char text[32]); // RFC 3339, seconds
 
 #endif

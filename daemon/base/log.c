@@ -76,8 +76,10 @@ static void append_escaped(struct line *line, const char *text, bool quotes, siz
 
 static const char *level_name(enum glint_log_level level)
 {
-    return level == GLINT_LOG_ERROR ? "error" : level == GLINT_LOG_WARNING ? "warning"
-         : level == GLINT_LOG_INFO ? "info" : "debug";
+    return level == GLINT_LOG_ERROR     ? "error"
+           : level == GLINT_LOG_WARNING ? "warning"
+           : level == GLINT_LOG_INFO    ? "info"
+                                        : "debug";
 }
 
 static void append_member(struct line *line, const char *name, const char *value, size_t most)
@@ -136,8 +138,8 @@ void glint_log(enum glint_log_level level, const char *category, const char *job
     va_end(args);
 
     struct line line = {.length = 0};
-    (log_format == GLINT_LOG_JSON ? format_json : format_text)(&line, level, category, job,
-                                                               request, message);
+    (log_format == GLINT_LOG_JSON ? format_json : format_text)(&line, level, category, job, request,
+                                                               message);
     append_text(&line, "\n");
     // One write keeps the line whole beside those of other threads; a lost log stops nothing.
     const ssize_t written = write(STDERR_FILENO, line.text, line.length);

@@ -6,7 +6,12 @@
 
 #include <stdbool.h>
 
-enum glint_log_level { GLINT_LOG_ERROR = 3, GLINT_LOG_WARNING = 4, GLINT_LOG_INFO = 6, GLINT_LOG_DEBUG = 7 };
+enum glint_log_level {
+    GLINT_LOG_ERROR = 3,
+    GLINT_LOG_WARNING = 4,
+    GLINT_LOG_INFO = 6,
+    GLINT_LOG_DEBUG = 7
+};
 enum glint_log_format { GLINT_LOG_TEXT, GLINT_LOG_JSON };
 
 // Categories named in GLINT_DEBUG ("cl,http,jobs") print GLINT_LOG_DEBUG lines too.

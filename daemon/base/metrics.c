@@ -20,18 +20,21 @@ struct glint_metric {
     glint_metrics *home;
     const char *name, *help;
     enum kind kind;
-    char *labels;                    // `a="x",b="y"`, owned
-    double value;                    // histogram: sum of what was observed
-    const double *bound;             // histogram: [bounds]
+    char *labels;        // `a="x",b="y"`, owned
+    double value;        // histogram: sum of what was observed
+    const double *bound; // histogram: [bounds]
     size_t bounds;
-    uint64_t count[MAX_BOUNDS + 1];  // histogram: observations by bucket, not cumulated
+    uint64_t count[MAX_BOUNDS + 1]; // histogram: observations by bucket, not cumulated
 };
 
 struct glint_metrics {
     pthread_mutex_t mutex;
     glint_metric *series[GLINT_MAX_SERIES]; // series of one family stand together
     size_t count;
-    struct { void (*call)(void *user); void *user; } refresh[MAX_REFRESHERS];
+    struct {
+        void (*call)(void *user);
+        void *user;
+    } refresh[MAX_REFRESHERS];
     size_t refreshers;
 };
 
@@ -162,10 +165,11 @@ glint_metric *glint_metrics_histogram(glint_metrics *m, const char *name, const 
                                       const struct glint_label *label, size_t labels)
 {
     assert(bounds <= MAX_BOUNDS);
-    return find_or_add(m,
-                       (glint_metric){.name = name, .help = help, .kind = HISTOGRAM,
-                                      .bound = bound, .bounds = bounds},
-                       label, labels);
+    return find_or_add(
+        m,
+        (glint_metric){
+            .name = name, .help = help, .kind = HISTOGRAM, .bound = bound, .bounds = bounds},
+        label, labels);
 }
 
 void glint_metric_add(glint_metric *metric, double amount)
@@ -249,8 +253,7 @@ static void write_series(FILE *f, const glint_metric *s)
         write_histogram(f, s);
         return;
     }
-    fprintf(f, "glint_%s%s%s%s ", s->name, *s->labels ? "{" : "", s->labels,
-            *s->labels ? "}" : "");
+    fprintf(f, "glint_%s%s%s%s ", s->name, *s->labels ? "{" : "", s->labels, *s->labels ? "}" : "");
     write_number(f, s->value);
 }
 

@@ -15,7 +15,9 @@
 typedef struct glint_metrics glint_metrics;
 typedef struct glint_metric glint_metric; // one series; lives as long as its registry
 
-struct glint_label { const char *name, *value; };
+struct glint_label {
+    const char *name, *value;
+};
 
 glint_status glint_metrics_create(glint_metrics **out, struct glint_error *err);
 void glint_metrics_destroy(glint_metrics **metrics);

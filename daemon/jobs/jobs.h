@@ -17,8 +17,14 @@
 
 typedef struct glint_jobs glint_jobs;
 
-enum glint_job_state { GLINT_JOB_QUEUED, GLINT_JOB_RENDERING, GLINT_JOB_PAUSED, GLINT_JOB_DONE,
-                       GLINT_JOB_FAILED, GLINT_JOB_CANCELLED };
+enum glint_job_state {
+    GLINT_JOB_QUEUED,
+    GLINT_JOB_RENDERING,
+    GLINT_JOB_PAUSED,
+    GLINT_JOB_DONE,
+    GLINT_JOB_FAILED,
+    GLINT_JOB_CANCELLED
+};
 const char *glint_job_state_name(enum glint_job_state state);
 
 #define GLINT_JOB_ID_BYTES 33
@@ -28,17 +34,24 @@ glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_s
 // Stops after the slices out now; every job that has not ended becomes cancelled.
 void glint_jobs_destroy(glint_jobs **jobs);
 
-// Called on every change of any job (state, new pixels), from the scheduler thread; must not block.
+// Called on every change of any job (state, new pixels), from the scheduler thread; must not block
+// and must not call back, but for describe, list, view, release and stats. When this returns the
+// one before is not running and will not be called again; NULL: none.
 void glint_jobs_on_change(glint_jobs *jobs, void (*changed)(void *user), void *user);
 
 // Takes `job` on success. The scene's current revision is pinned now. key: Idempotency-Key or
 // NULL; the same key with an equal body answers the same id and sets *repeated, with another body
-// it is GLINT_E_RANGE.
+// it is GLINT_E_RANGE. A key is good for a day and no longer than its job is known.
+//   GLINT_E_RANGE  no such scene, no such camera (pointers into the job); the key
+//   GLINT_E_BUSY   too many jobs wait, or the daemon is shutting down
 glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job, const char *key,
-                               char id[GLINT_JOB_ID_BYTES], bool *repeated, struct glint_error *err);
+                               char id[GLINT_JOB_ID_BYTES], bool *repeated,
+                               struct glint_error *err);
 
-// {"id","scene","revision","state","samples","progress","error","seconds","eta_seconds","problem",
-//  "warnings","created","job":{...}, ...} and {"jobs": [...]} in order of submission.
+// {"id","name","scene","revision","state","priority","samples","target_samples","progress","error",
+//  "seconds","eta_seconds","worker_seconds","rays":{...},"plan","problem","warnings","created",
+//  "job":{...}} and {"jobs": [...]} in order of submission. Numbers not known yet are null;
+// "problem" is there when the job has failed.
 cJSON *glint_jobs_describe(glint_jobs *jobs, const char *id, struct glint_error *err);
 cJSON *glint_jobs_list(glint_jobs *jobs);
 
@@ -47,14 +60,15 @@ cJSON *glint_jobs_list(glint_jobs *jobs);
 glint_status glint_jobs_delete(glint_jobs *jobs, const char *id, bool *forgotten,
                                struct glint_error *err);
 
-// PATCH: merge patch of `priority`, `paused`, `stop`; unknown members are faults.
+// PATCH: merge patch of `priority`, `paused`, `stop`; unknown members are faults. GLINT_E_CONFLICT
+// when the job has ended, except that one that stopped by time goes on when it is given more.
 glint_status glint_jobs_patch(glint_jobs *jobs, const char *id, const char *text, size_t length,
                               struct glint_error *err);
 
 // The job's render with a reference that keeps it alive until released, for pixels and plans;
 // GLINT_E_BUSY while it is still being prepared.
 struct glint_job_view {
-    glint_render *render;
+    glint_render *render; // NULL: the job ended before it had one
     enum glint_job_state state;
     const struct glint_job *job;
     const char *revision;
@@ -65,7 +79,11 @@ glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_
                              struct glint_error *err);
 void glint_jobs_release(glint_jobs *jobs, struct glint_job_view *view);
 
-struct glint_jobs_stats { uint32_t by_state[6]; uint64_t submitted, slices; double worker_busy_seconds; };
+struct glint_jobs_stats {
+    uint32_t by_state[6];
+    uint64_t submitted, slices;
+    double worker_busy_seconds;
+};
 void glint_jobs_stats(glint_jobs *jobs, struct glint_jobs_stats *out);
 
 #endif

@@ -31,6 +31,13 @@ glint_status glint_store_delete(glint_store *store, const char *name, const char
                                 bool force, struct glint_error *err);
 cJSON *glint_store_list(glint_store *store); // {"scenes": [resource, ...]} by name
 
+struct glint_store_stats {
+    uint32_t scenes;
+    uint64_t resident_bytes; // of every revision that lives, named or only in use
+    uint64_t imports, import_failures;
+};
+void glint_store_stats(glint_store *store, struct glint_store_stats *out);
+
 glint_revision *glint_revision_retain(glint_revision *revision);
 void glint_revision_release(glint_revision **revision);
 void glint_revision_use(glint_revision *revision, int delta); // jobs that hold it: +1, -1

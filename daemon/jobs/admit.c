@@ -1,0 +1,167 @@
+#include "jobs/admit.h"
+
+#include "base/clock.h"
+#include "protocol/cryptomatte.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+
+#define MAX_KEY_BYTES 255
+#define MAX_CLASHES 16 // warned about one by one
+
+static glint_status check_key(const char *key, struct glint_error *err)
+{
+    const size_t length = key ? strlen(key) : 1;
+    if (length >= 1 && length <= MAX_KEY_BYTES)
+        return GLINT_OK;
+    return glint_fail(err, GLINT_E_RANGE, "", "an Idempotency-Key has 1 to %d bytes",
+                      MAX_KEY_BYTES);
+}
+
+static glint_status find_scene(glint_revision **out, glint_store *store, const char *name,
+                               struct glint_error *err)
+{
+    if (!glint_store_get(store, name, out, NULL))
+        return GLINT_OK;
+    return glint_fail(err, GLINT_E_RANGE, "/scene", "there is no scene \"%.140s\"", name);
+}
+
+static bool has_camera(const struct glint_scene *scene, const char *name)
+{
+    for (uint32_t i = 0; i < scene->cameras; i++)
+        if (!strcmp(scene->camera[i].name, name) || !strcmp(scene->camera[i].id, name))
+            return true;
+    return false;
+}
+
+static glint_status check_camera(const struct glint_scene *scene, const struct glint_job *job,
+                                 struct glint_error *err)
+{
+    if (job->has_camera || !job->camera_name || has_camera(scene, job->camera_name))
+        return GLINT_OK;
+    return glint_fail(err, GLINT_E_RANGE, "/camera",
+                      "the scene \"%.140s\" has no camera \"%.140s\"", job->scene,
+                      job->camera_name);
+}
+
+static glint_status draw_id(char id[GLINT_JOB_ID_BYTES], struct glint_error *err)
+{
+    unsigned char random[(GLINT_JOB_ID_BYTES - 1) / 2];
+    if (getrandom(random, sizeof random, 0) != (ssize_t)sizeof random)
+        return glint_fail(err, GLINT_E_IO, "", "no random bytes: %s", strerror(errno));
+    for (size_t i = 0; i < sizeof random; i++)
+        snprintf(id + 2 * i, 3, "%02x", random[i]);
+    return GLINT_OK;
+}
+
+static void warn(cJSON *warnings, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void warn(cJSON *warnings, const char *format, ...)
+{
+    char text[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    cJSON_AddItemToArray(warnings, cJSON_CreateString(text));
+}
+
+static void warn_of_clashes(cJSON *warnings, const char *layer, const char *const *name,
+                            size_t count)
+{
+    struct glint_cryptomatte_clash *clash = NULL;
+    size_t clashes = 0;
+    if (glint_cryptomatte_clashes(name, count, &clash, &clashes))
+        return;
+    for (size_t i = 0; i < clashes && i < MAX_CLASHES; i++)
+        warn(warnings, "the %s names \"%.100s\" and \"%.100s\" share one Cryptomatte ID", layer,
+             clash[i].a, clash[i].b);
+    if (clashes > MAX_CLASHES)
+        warn(warnings, "%zu more pairs of %s names share a Cryptomatte ID", clashes - MAX_CLASHES,
+             layer);
+    free(clash);
+}
+
+static void warn_of_mattes(cJSON *warnings, const struct glint_scene *scene, uint32_t outputs)
+{
+    const size_t most = scene->objects > scene->materials ? scene->objects : scene->materials;
+    const char **name = malloc((most + 1) * sizeof *name);
+    if (!name)
+        return;
+    for (uint32_t i = 0; i < scene->objects; i++)
+        name[i] = scene->object[i].name;
+    if (outputs & GLINT_OUT_CRYPTO_OBJECT)
+        warn_of_clashes(warnings, "object", name, scene->objects);
+    size_t assets = 0;
+    for (uint32_t i = 0; i < scene->objects; i++)
+        if (*scene->object[i].asset)
+            name[assets++] = scene->object[i].asset;
+    if (outputs & GLINT_OUT_CRYPTO_ASSET)
+        warn_of_clashes(warnings, "asset", name, assets);
+    for (uint32_t i = 0; i < scene->materials; i++)
+        name[i] = scene->material[i].name;
+    if (outputs & GLINT_OUT_CRYPTO_MATERIAL)
+        warn_of_clashes(warnings, "material", name, scene->materials);
+    free(name);
+}
+
+// All of the entry but what it takes from others.
+static struct glint_entry *new_entry(const struct glint_job *job, const char *key)
+{
+    struct glint_entry *e = calloc(1, sizeof *e);
+    if (!e)
+        return NULL;
+    atomic_init(&e->references, 1);
+    atomic_init(&e->abandoned, false);
+    e->text = glint_job_write(job);
+    e->key = key ? strdup(key) : NULL;
+    e->warnings = cJSON_CreateArray();
+    if (!e->text || !e->warnings || (key && !e->key))
+        glint_entry_release(&e);
+    return e;
+}
+
+static void fill(struct glint_entry *e, struct glint_job *job, glint_revision *revision)
+{
+    e->job = job;
+    e->revision = revision;
+    e->state = GLINT_JOB_QUEUED;
+    e->end = GLINT_JOB_QUEUED;
+    e->priority = job->priority;
+    e->stop_seconds = job->stop.seconds;
+    e->since = NAN;
+    e->sequence = 1;
+    e->submitted = glint_now();
+    glint_utc(e->created);
+    warn_of_mattes(e->warnings, glint_resident_scene(glint_revision_resident(revision)),
+                   job->outputs);
+}
+
+glint_status glint_admit(struct glint_entry **out, glint_store *store, struct glint_job *job,
+                         const char *key, struct glint_error *err)
+{
+    *out = NULL;
+    glint_revision *revision = NULL;
+    glint_status st = check_key(key, err);
+    const glint_status found = find_scene(&revision, store, job->scene, err);
+    st = st ? st : found;
+    if (!st)
+        st = check_camera(glint_resident_scene(glint_revision_resident(revision)), job, err);
+    struct glint_entry *e = st ? NULL : new_entry(job, key);
+    if (!st && !e)
+        st = glint_fail(err, GLINT_E_NOMEM, "", "no memory for a job");
+    if (!st)
+        st = draw_id(e->id, err);
+    if (st) {
+        glint_entry_release(&e);
+        glint_revision_release(&revision);
+        return st;
+    }
+    fill(e, job, revision);
+    *out = e;
+    return GLINT_OK;
+}

@@ -1,0 +1,14 @@
+// admit.h - what is checked and gathered when a job is submitted, on the submitter's thread.
+//
+// Thread-safety: any thread.
+#ifndef GLINT_JOBS_ADMIT_H
+#define GLINT_JOBS_ADMIT_H
+
+#include "jobs/table.h"
+
+// An entry that no table has yet, with one reference, the scene's current revision pinned. Takes
+// `job` on success. key: NULL or the Idempotency-Key.
+glint_status glint_admit(struct glint_entry **out, glint_store *store, struct glint_job *job,
+                         const char *key, struct glint_error *err);
+
+#endif

@@ -1,0 +1,159 @@
+#include "jobs/crew.h"
+
+#include "base/clock.h"
+#include "base/thread.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+struct order {
+    struct glint_entry *entry; // alive while a slice of it is out
+    struct glint_slice slice;
+};
+
+struct member {
+    glint_queue *orders, *inbox;
+    glint_devices *devices;
+    uint32_t index;
+    pthread_t thread;
+    bool started;
+};
+
+struct glint_crew {
+    uint32_t workers;
+    struct member preparer; // its orders are struct glint_entry *
+    struct member worker[]; // [workers]; orders are struct order
+};
+
+static void *work(void *arg)
+{
+    const struct member *m = arg;
+    glint_worker *worker = glint_devices_worker(m->devices, m->index);
+    glint_worker_enter(worker);
+    for (struct order order; glint_queue_pop(m->orders, &order);) {
+        struct glint_message answer = {.kind = GLINT_MESSAGE_RETURNED,
+                                       .entry = order.entry,
+                                       .worker = m->index,
+                                       .slice = order.slice};
+        const double start = glint_now();
+        answer.status = glint_render_run(order.entry->render, worker, &order.slice, &answer.error);
+        answer.seconds = glint_now() - start;
+        if (!glint_queue_push(m->inbox, &answer))
+            glint_error_finish(&answer.error);
+    }
+    return NULL;
+}
+
+static void drop(struct glint_message *answer)
+{
+    glint_render_destroy(&answer->render);
+    glint_error_finish(&answer->error);
+    glint_entry_release(&answer->entry);
+}
+
+static void *prepare(void *arg)
+{
+    const struct member *m = arg;
+    for (struct glint_entry *entry; glint_queue_pop(m->orders, &entry);) {
+        struct glint_message answer = {.kind = GLINT_MESSAGE_PREPARED, .entry = entry};
+        // Relaxed: a hint that saves work; the scheduler decides what becomes of the answer.
+        if (!atomic_load_explicit(&entry->abandoned, memory_order_relaxed))
+            answer.status = glint_render_create(&answer.render, m->devices,
+                                                glint_revision_resident(entry->revision),
+                                                entry->job, &answer.error);
+        if (atomic_load_explicit(&entry->abandoned, memory_order_relaxed))
+            glint_render_destroy(&answer.render);
+        if (!glint_queue_push(m->inbox, &answer))
+            drop(&answer);
+    }
+    return NULL;
+}
+
+static glint_status start(struct member *m, const char *name, size_t orders, size_t order_bytes,
+                          void *(*run)(void *), struct glint_error *err)
+{
+    glint_status st = glint_queue_create(&m->orders, orders, order_bytes, err);
+    if (!st)
+        st = glint_thread_start(&m->thread, name, run, m, err);
+    m->started = !st;
+    return st;
+}
+
+static void stop(struct member *m)
+{
+    if (m->started) {
+        glint_queue_close(m->orders);
+        pthread_join(m->thread, NULL);
+    }
+    glint_queue_destroy(&m->orders);
+}
+
+glint_status glint_crew_create(glint_crew **out, glint_devices *devices, glint_queue *inbox,
+                               struct glint_error *err)
+{
+    *out = NULL;
+    const uint32_t workers = glint_devices_workers(devices);
+    glint_crew *crew = calloc(1, sizeof *crew + workers * sizeof crew->worker[0]);
+    if (!crew)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u workers", workers);
+    crew->workers = workers;
+    crew->preparer = (struct member){.inbox = inbox, .devices = devices};
+    glint_status st =
+        start(&crew->preparer, "prepare", 1, sizeof(struct glint_entry *), prepare, err);
+    for (uint32_t i = 0; !st && i < workers; i++) {
+        char name[24];
+        snprintf(name, sizeof name, "worker %u", i);
+        crew->worker[i] = (struct member){.inbox = inbox, .devices = devices, .index = i};
+        st = start(&crew->worker[i], name, GLINT_CREW_DEPTH, sizeof(struct order), work, err);
+    }
+    if (st)
+        glint_crew_destroy(&crew);
+    *out = crew;
+    return st;
+}
+
+void glint_crew_destroy(glint_crew **crew)
+{
+    glint_crew *c = *crew;
+    if (!c)
+        return;
+    for (uint32_t i = 0; i < c->workers; i++)
+        stop(&c->worker[i]);
+    stop(&c->preparer);
+    free(c);
+    *crew = NULL;
+}
+
+uint32_t glint_crew_workers(const glint_crew *crew)
+{
+    return crew->workers;
+}
+
+void glint_crew_run(glint_crew *crew, uint32_t worker, struct glint_entry *entry,
+                    const struct glint_slice *slice)
+{
+    const struct order order = {entry, *slice};
+    const bool room = glint_queue_offer(crew->worker[worker].orders, &order);
+    assert(room);
+    (void)room;
+}
+
+bool glint_crew_recall(glint_crew *crew, uint32_t worker, struct glint_entry **entry,
+                       struct glint_slice *slice)
+{
+    struct order order;
+    if (!glint_queue_poll(crew->worker[worker].orders, &order))
+        return false;
+    *entry = order.entry;
+    *slice = order.slice;
+    return true;
+}
+
+void glint_crew_prepare(glint_crew *crew, struct glint_entry *entry)
+{
+    glint_entry_retain(entry);
+    const bool room = glint_queue_offer(crew->preparer.orders, &entry);
+    assert(room);
+    (void)room;
+}

@@ -1,0 +1,137 @@
+#include "jobs/describe.h"
+
+#include "base/clock.h"
+
+#include <math.h>
+#include <stdio.h>
+
+// The shared fields of an entry at one moment.
+struct moment {
+    enum glint_job_state state;
+    glint_render *render;
+    int32_t priority;
+    double stop_seconds, seconds, worker_seconds;
+    uint64_t sequence;
+};
+
+static void look(struct glint_job_table *table, const struct glint_entry *e, struct moment *out)
+{
+    const double now = glint_now();
+    pthread_mutex_lock(&table->mutex);
+    *out = (struct moment){
+        e->state,          e->render,  e->priority, e->stop_seconds, glint_entry_seconds(e, now),
+        e->worker_seconds, e->sequence};
+    pthread_mutex_unlock(&table->mutex);
+}
+
+// JSON has no NAN: what is not known is null.
+static void add_number(cJSON *object, const char *name, double value)
+{
+    if (isfinite(value))
+        cJSON_AddNumberToObject(object, name, value);
+    else
+        cJSON_AddNullToObject(object, name);
+}
+
+static double progress(const struct moment *m, const struct glint_render_state *r)
+{
+    if (m->state == GLINT_JOB_DONE)
+        return 1;
+    const double by_time = m->stop_seconds > 0 ? m->seconds / m->stop_seconds : 0;
+    return fmin(fmax(r->progress, by_time), 1);
+}
+
+// Seconds to the stop that comes first, each at the pace up to now; NAN: nobody knows.
+static double eta(const struct moment *m, const struct glint_render_state *r)
+{
+    if (glint_state_ended(m->state))
+        return 0;
+    if (m->state != GLINT_JOB_RENDERING)
+        return NAN;
+    double left = NAN; // fmin takes the other one
+    if (r->progress > 0)
+        left = m->seconds * (1 - r->progress) / r->progress;
+    if (m->stop_seconds > 0)
+        left = fmin(left, m->stop_seconds - m->seconds);
+    if (r->samples && isfinite(r->predicted_samples))
+        left = fmin(left, m->seconds * (r->predicted_samples / r->samples - 1));
+    return isnan(left) ? NAN : fmax(left, 0);
+}
+
+static void add_rays(cJSON *object, const struct glint_render_state *r)
+{
+    cJSON *rays = cJSON_AddObjectToObject(object, "rays");
+    cJSON_AddNumberToObject(rays, "camera", (double)r->camera_rays);
+    cJSON_AddNumberToObject(rays, "bounce", (double)r->bounce_rays);
+    cJSON_AddNumberToObject(rays, "shadow", (double)r->shadow_rays);
+}
+
+static void add_render(cJSON *object, const struct moment *m)
+{
+    struct glint_render_state r = {.error = NAN, .predicted_samples = NAN};
+    if (m->render)
+        glint_render_state(m->render, &r);
+    const bool bounded = r.target_samples && r.target_samples < GLINT_MAX_SAMPLES;
+    cJSON_AddNumberToObject(object, "samples", r.samples);
+    add_number(object, "target_samples", bounded ? r.target_samples : NAN);
+    add_number(object, "progress", progress(m, &r));
+    add_number(object, "error", r.error);
+    add_number(object, "seconds", m->seconds);
+    add_number(object, "eta_seconds", eta(m, &r));
+    add_number(object, "worker_seconds", m->worker_seconds);
+    add_rays(object, &r);
+}
+
+static void add_problem(cJSON *object, const struct glint_error *error)
+{
+    cJSON *problem = cJSON_AddObjectToObject(object, "problem");
+    cJSON_AddStringToObject(problem, "type", glint_status_problem(error->status));
+    cJSON_AddStringToObject(problem, "title", glint_status_title(error->status));
+    cJSON_AddNumberToObject(problem, "status", glint_status_http(error->status));
+    cJSON_AddStringToObject(problem, "detail", glint_error_text(error));
+    cJSON *errors = cJSON_AddArrayToObject(problem, "errors");
+    for (size_t i = 0; i < error->count; i++) {
+        cJSON *fault = cJSON_CreateObject();
+        cJSON_AddStringToObject(fault, "pointer", error->fault[i].pointer);
+        cJSON_AddStringToObject(fault, "detail", error->fault[i].detail);
+        cJSON_AddItemToArray(errors, fault);
+    }
+}
+
+// The job as submitted, with what a PATCH has changed since.
+static void add_job(cJSON *object, const struct glint_entry *e, const struct moment *m)
+{
+    cJSON *job = cJSON_Parse(e->text);
+    cJSON *stop = cJSON_GetObjectItemCaseSensitive(job, "stop");
+    cJSON_DeleteItemFromObjectCaseSensitive(job, "priority");
+    cJSON_AddNumberToObject(job, "priority", m->priority);
+    cJSON_DeleteItemFromObjectCaseSensitive(stop, "seconds");
+    if (m->stop_seconds > 0)
+        cJSON_AddNumberToObject(stop, "seconds", m->stop_seconds);
+    cJSON_AddItemToObject(object, "job", job);
+}
+
+cJSON *glint_entry_describe(struct glint_job_table *table, const struct glint_entry *e)
+{
+    struct moment m;
+    look(table, e, &m);
+    cJSON *object = cJSON_CreateObject();
+    if (!object)
+        return NULL;
+    char plan[64];
+    snprintf(plan, sizeof plan, "/v1/jobs/%s/plan", e->id);
+    cJSON_AddStringToObject(object, "id", e->id);
+    cJSON_AddStringToObject(object, "name", e->job->name ? e->job->name : "");
+    cJSON_AddStringToObject(object, "scene", e->job->scene);
+    cJSON_AddStringToObject(object, "revision", glint_revision_id(e->revision));
+    cJSON_AddStringToObject(object, "state", glint_job_state_name(m.state));
+    cJSON_AddNumberToObject(object, "priority", m.priority);
+    add_render(object, &m);
+    cJSON_AddStringToObject(object, "plan", plan);
+    if (m.state == GLINT_JOB_FAILED) // from then on nobody changes the problem
+        add_problem(object, &e->problem);
+    cJSON_AddItemToObject(object, "warnings", cJSON_Duplicate(e->warnings, true));
+    cJSON_AddStringToObject(object, "created", e->created);
+    add_job(object, e, &m);
+    return object;
+}

@@ -1,0 +1,12 @@
+// describe.h - a job as PROTOCOL's resource.
+//
+// Thread-safety: any thread that holds the entry, without the table's mutex.
+#ifndef GLINT_JOBS_DESCRIBE_H
+#define GLINT_JOBS_DESCRIBE_H
+
+#include "jobs/table.h"
+
+// A new object, NULL without memory.
+cJSON *glint_entry_describe(struct glint_job_table *table, const struct glint_entry *entry);
+
+#endif

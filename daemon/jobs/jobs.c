@@ -1,0 +1,244 @@
+#include "jobs/jobs.h"
+
+#include "base/log.h"
+#include "jobs/admit.h"
+#include "jobs/describe.h"
+#include "jobs/patch.h"
+#include "jobs/scheduler.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct glint_jobs {
+    glint_store *store;
+    struct glint_job_table table;
+    glint_scheduler *scheduler;
+};
+
+glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_store *store,
+                               struct glint_error *err)
+{
+    *out = NULL;
+    glint_jobs *jobs = calloc(1, sizeof *jobs);
+    if (!jobs)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the job table");
+    jobs->store = store;
+    glint_job_table_init(&jobs->table);
+    const glint_status st = glint_scheduler_create(&jobs->scheduler, devices, &jobs->table, err);
+    if (st)
+        glint_jobs_destroy(&jobs);
+    *out = jobs;
+    return st;
+}
+
+void glint_jobs_destroy(glint_jobs **jobs)
+{
+    if (!*jobs)
+        return;
+    glint_scheduler_destroy(&(*jobs)->scheduler);
+    glint_job_table_finish(&(*jobs)->table);
+    free(*jobs);
+    *jobs = NULL;
+}
+
+void glint_jobs_on_change(glint_jobs *jobs, void (*changed)(void *user), void *user)
+{
+    struct glint_command command = {.kind = GLINT_COMMAND_WATCH, .changed = changed, .user = user};
+    while (glint_scheduler_call(jobs->scheduler, &command) == GLINT_E_BUSY) {
+        // A full inbox empties at once; who unregisters must not go on before it is done.
+    }
+}
+
+// Films are freed here, on the caller's thread, and not by the scheduler.
+static void release_all(struct glint_entry *gone)
+{
+    while (gone) {
+        struct glint_entry *next = gone->next;
+        glint_log(GLINT_LOG_DEBUG, "jobs", gone->id, NULL, "forgotten");
+        glint_entry_release(&gone);
+        gone = next;
+    }
+}
+
+// A repeated submission: `known` has the key. Consumes the hold on it.
+static glint_status repeat(struct glint_entry *known, const char *text, char id[GLINT_JOB_ID_BYTES],
+                           struct glint_error *err)
+{
+    const bool equal = !strcmp(known->text, text);
+    strcpy(id, known->id);
+    glint_entry_release(&known);
+    return equal ? GLINT_OK
+                 : glint_fail(err, GLINT_E_RANGE, "",
+                              "the Idempotency-Key belongs to another request, job %s", id);
+}
+
+static struct glint_entry *hold_by_key(glint_jobs *jobs, const char *key)
+{
+    if (!key)
+        return NULL;
+    pthread_mutex_lock(&jobs->table.mutex);
+    struct glint_entry *known = glint_job_table_find_key(&jobs->table, key);
+    if (known)
+        glint_entry_retain(known);
+    pthread_mutex_unlock(&jobs->table.mutex);
+    return known;
+}
+
+// Sends the entry to the scheduler; it has found a twin with the same key where *repeated is set.
+static glint_status add(glint_jobs *jobs, struct glint_entry *entry, char id[GLINT_JOB_ID_BYTES],
+                        bool *repeated, struct glint_error *err)
+{
+    struct glint_command command = {.kind = GLINT_COMMAND_SUBMIT, .entry = entry, .err = err};
+    strcpy(id, entry->id);
+    glint_status st = glint_scheduler_call(jobs->scheduler, &command);
+    release_all(command.gone);
+    *repeated = command.repeated != NULL;
+    if (*repeated)
+        st = repeat(command.repeated, entry->text, id, err);
+    return st;
+}
+
+static glint_status submit_again(struct glint_entry *known, struct glint_job *job,
+                                 char id[GLINT_JOB_ID_BYTES], struct glint_error *err)
+{
+    char *text = glint_job_write(job);
+    if (!text) {
+        glint_entry_release(&known);
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a job");
+    }
+    const glint_status st = repeat(known, text, id, err);
+    free(text);
+    if (!st)
+        glint_job_destroy(&job);
+    return st;
+}
+
+glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job, const char *key,
+                               char id[GLINT_JOB_ID_BYTES], bool *repeated, struct glint_error *err)
+{
+    // Before the scene is looked up: a repeated request is answered even if that has gone.
+    struct glint_entry *entry = hold_by_key(jobs, key);
+    *repeated = entry != NULL;
+    if (entry)
+        return submit_again(entry, job, id, err);
+
+    glint_status st = glint_admit(&entry, jobs->store, job, key, err);
+    if (st)
+        return st;
+    st = add(jobs, entry, id, repeated, err);
+    if (st)
+        entry->job = NULL; // stays the caller's
+    if (st || *repeated)
+        glint_entry_release(&entry);
+    return st;
+}
+
+cJSON *glint_jobs_describe(glint_jobs *jobs, const char *id, struct glint_error *err)
+{
+    struct glint_entry *entry = glint_job_table_hold(&jobs->table, id, err);
+    if (!entry)
+        return NULL;
+    cJSON *object = glint_entry_describe(&jobs->table, entry);
+    glint_entry_release(&entry);
+    if (!object)
+        glint_fail(err, GLINT_E_NOMEM, "", "no memory to describe a job");
+    return object;
+}
+
+// Every entry, retained, in a malloc'd array; NULL without memory.
+static struct glint_entry **hold_all(struct glint_job_table *table, size_t *count)
+{
+    pthread_mutex_lock(&table->mutex);
+    *count = table->count;
+    struct glint_entry **all = malloc((table->count + 1) * sizeof *all);
+    for (size_t i = 0; all && i < table->count; i++)
+        all[i] = glint_entry_retain(table->entry[i]);
+    pthread_mutex_unlock(&table->mutex);
+    return all;
+}
+
+cJSON *glint_jobs_list(glint_jobs *jobs)
+{
+    size_t count;
+    struct glint_entry **all = hold_all(&jobs->table, &count);
+    if (!all)
+        return NULL;
+    cJSON *object = cJSON_CreateObject();
+    cJSON *list = cJSON_AddArrayToObject(object, "jobs");
+    for (size_t i = 0; i < count; i++) {
+        cJSON_AddItemToArray(list, glint_entry_describe(&jobs->table, all[i]));
+        glint_entry_release(&all[i]);
+    }
+    free(all);
+    return object;
+}
+
+// Sends a command about the job named by `id`.
+static glint_status command(glint_jobs *jobs, const char *id, struct glint_command *c)
+{
+    c->entry = glint_job_table_hold(&jobs->table, id, c->err);
+    if (!c->entry)
+        return GLINT_E_NOT_FOUND;
+    const glint_status st = glint_scheduler_call(jobs->scheduler, c);
+    release_all(c->gone);
+    glint_entry_release(&c->entry);
+    return st;
+}
+
+glint_status glint_jobs_delete(glint_jobs *jobs, const char *id, bool *forgotten,
+                               struct glint_error *err)
+{
+    struct glint_command c = {.kind = GLINT_COMMAND_DELETE, .err = err};
+    const glint_status st = command(jobs, id, &c);
+    *forgotten = c.forgotten;
+    return st;
+}
+
+glint_status glint_jobs_patch(glint_jobs *jobs, const char *id, const char *text, size_t length,
+                              struct glint_error *err)
+{
+    struct glint_command c = {.kind = GLINT_COMMAND_PATCH, .err = err};
+    const glint_status st = glint_job_patch_parse(&c.patch, text, length, err);
+    return st ? st : command(jobs, id, &c);
+}
+
+glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_view *out,
+                             struct glint_error *err)
+{
+    *out = (struct glint_job_view){0};
+    struct glint_entry *entry = glint_job_table_hold(&jobs->table, id, err);
+    if (!entry)
+        return GLINT_E_NOT_FOUND;
+    pthread_mutex_lock(&jobs->table.mutex);
+    *out = (struct glint_job_view){.render = entry->render,
+                                   .state = entry->state,
+                                   .job = entry->job,
+                                   .revision = glint_revision_id(entry->revision),
+                                   .sequence = entry->sequence,
+                                   .hold = entry};
+    pthread_mutex_unlock(&jobs->table.mutex);
+    if (out->render || glint_state_ended(out->state))
+        return GLINT_OK;
+    glint_jobs_release(jobs, out);
+    return glint_fail(err, GLINT_E_BUSY, "", "the job is still being prepared");
+}
+
+void glint_jobs_release(glint_jobs *jobs, struct glint_job_view *view)
+{
+    (void)jobs;
+    struct glint_entry *entry = view->hold;
+    glint_entry_release(&entry);
+    *view = (struct glint_job_view){0};
+}
+
+void glint_jobs_stats(glint_jobs *jobs, struct glint_jobs_stats *out)
+{
+    *out = (struct glint_jobs_stats){0};
+    pthread_mutex_lock(&jobs->table.mutex);
+    for (size_t i = 0; i < jobs->table.count; i++)
+        out->by_state[jobs->table.entry[i]->state]++;
+    out->submitted = jobs->table.submitted;
+    out->slices = jobs->table.slices;
+    out->worker_busy_seconds = jobs->table.busy_seconds;
+    pthread_mutex_unlock(&jobs->table.mutex);
+}

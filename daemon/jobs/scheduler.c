@@ -1,0 +1,503 @@
+#include "jobs/scheduler.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "base/thread.h"
+#include "jobs/crew.h"
+#include "jobs/state.h"
+#include "jobs/turn.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define COMMAND_ROOM 256 // in the inbox, beside one answer for each order that can be out
+#define FIRST_SLICE 0.02 // seconds, the guess until a slice was measured
+
+struct glint_scheduler {
+    struct glint_job_table *table;
+    glint_crew *crew;
+    glint_queue *inbox;
+    pthread_t thread;
+    bool started;
+
+    // the thread's
+    struct glint_entry *live[GLINT_MAX_LIVE_JOBS]; // not ended, in order of submission
+    size_t lives;
+    uint32_t *load; // [workers] orders out
+    bool preparing; // the preparer has an order
+    bool news;      // something to tell `changed`
+    void (*changed)(void *user);
+    void *user;
+    bool stopping;
+
+    pthread_mutex_t mutex; // of `answered` in every command under way; a leaf
+    pthread_cond_t answer;
+};
+
+static void answer(glint_scheduler *s, struct glint_command *c)
+{
+    pthread_mutex_lock(&s->mutex);
+    c->answered = true;
+    pthread_cond_broadcast(&s->answer);
+    pthread_mutex_unlock(&s->mutex);
+}
+
+glint_status glint_scheduler_call(glint_scheduler *s, struct glint_command *c)
+{
+    const struct glint_message message = {.kind = GLINT_MESSAGE_COMMAND, .command = c};
+    c->answered = false;
+    if (!glint_queue_offer(s->inbox, &message))
+        return c->status = glint_fail(c->err, GLINT_E_BUSY, "", "too many requests wait");
+    pthread_mutex_lock(&s->mutex);
+    while (!c->answered)
+        pthread_cond_wait(&s->answer, &s->mutex);
+    pthread_mutex_unlock(&s->mutex);
+    return c->status;
+}
+
+static void enter(glint_scheduler *s, struct glint_entry *e, enum glint_job_state state)
+{
+    glint_state_enter(s->table, e, state);
+    s->news = true;
+    glint_log(GLINT_LOG_DEBUG, "jobs", e->id, NULL, "%s", glint_job_state_name(state));
+}
+
+static void remove_live(glint_scheduler *s, const struct glint_entry *e)
+{
+    size_t at = 0;
+    while (s->live[at] != e)
+        at++;
+    s->lives--;
+    memmove(s->live + at, s->live + at + 1, (s->lives - at) * sizeof *s->live);
+}
+
+// Memory may have come free: who waited for it may try again.
+static void unblock(glint_scheduler *s)
+{
+    for (size_t i = 0; i < s->lives; i++)
+        s->live[i]->blocked = false;
+}
+
+static void settle(glint_scheduler *s, struct glint_entry *e)
+{
+    enter(s, e, e->end);
+    e->end = GLINT_JOB_QUEUED;
+    remove_live(s, e);
+    unblock(s);
+    glint_revision_use(e->revision, -1);
+    glint_log(e->state == GLINT_JOB_FAILED ? GLINT_LOG_WARNING : GLINT_LOG_INFO, "jobs", e->id,
+              NULL, "%s after %.3f s%s%s", glint_job_state_name(e->state), e->render_seconds,
+              e->problem.status ? ": " : "",
+              e->problem.status ? glint_error_text(&e->problem) : "");
+}
+
+// Takes back what waits at the workers, so that the next slices go to whom they are due.
+static void recall(glint_scheduler *s)
+{
+    struct glint_entry *entry;
+    struct glint_slice slice;
+    for (uint32_t w = 0; w < glint_crew_workers(s->crew); w++)
+        while (glint_crew_recall(s->crew, w, &entry, &slice)) {
+            glint_render_give_back(entry->render, &slice, false);
+            entry->out--;
+            s->load[w]--;
+        }
+}
+
+// The job ends in `state` as soon as none of its slices is out. A decision stands.
+static void end(glint_scheduler *s, struct glint_entry *e, enum glint_job_state state)
+{
+    if (e->end != GLINT_JOB_QUEUED)
+        return;
+    e->end = state;
+    // Relaxed: a hint to the preparer.
+    atomic_store_explicit(&e->abandoned, true, memory_order_relaxed);
+    recall(s);
+    if (!e->out)
+        settle(s, e);
+}
+
+static void fail(glint_scheduler *s, struct glint_entry *e, struct glint_error *error)
+{
+    glint_state_blame(s->table, e, error);
+    end(s, e, GLINT_JOB_FAILED);
+}
+
+static void end_if_complete(glint_scheduler *s, struct glint_entry *e)
+{
+    if (!glint_state_ended(e->state) && e->end == GLINT_JOB_QUEUED && !e->out &&
+        glint_render_complete(e->render))
+        end(s, e, GLINT_JOB_DONE);
+}
+
+// Commands.
+
+static struct glint_entry *repeated(glint_scheduler *s, const struct glint_entry *e)
+{
+    return e->key ? glint_job_table_find_key(s->table, e->key) : NULL;
+}
+
+static glint_status submit(glint_scheduler *s, struct glint_command *c)
+{
+    struct glint_entry *known = repeated(s, c->entry);
+    if (known) {
+        c->repeated = glint_entry_retain(known);
+        return GLINT_OK;
+    }
+    if (s->stopping)
+        return glint_fail(c->err, GLINT_E_BUSY, "", "the daemon is shutting down");
+    if (s->lives == GLINT_MAX_LIVE_JOBS)
+        return glint_fail(c->err, GLINT_E_BUSY, "", "%u jobs wait or render already",
+                          GLINT_MAX_LIVE_JOBS);
+    c->gone = glint_job_table_trim(s->table);
+    if (!glint_job_table_add(s->table, c->entry))
+        return glint_fail(c->err, GLINT_E_NOMEM, "", "no memory for one more job");
+    c->entry->slice_seconds = FIRST_SLICE;
+    s->live[s->lives++] = c->entry;
+    glint_revision_use(c->entry->revision, 1);
+    s->news = true;
+    return GLINT_OK;
+}
+
+static glint_status delete (glint_scheduler *s, struct glint_command *c)
+{
+    if (!glint_state_ended(c->entry->state)) {
+        end(s, c->entry, GLINT_JOB_CANCELLED);
+        return GLINT_OK;
+    }
+    c->forgotten = true;
+    if (!c->entry->listed) // another call was first
+        return GLINT_OK;
+    glint_job_table_remove(s->table, c->entry);
+    c->gone = c->entry; // with the table's reference
+    c->gone->next = NULL;
+    unblock(s);
+    s->news = true;
+    return GLINT_OK;
+}
+
+static void set_paused(glint_scheduler *s, struct glint_entry *e, bool paused)
+{
+    if (paused == (e->state == GLINT_JOB_PAUSED))
+        return;
+    enter(s, e, paused ? GLINT_JOB_PAUSED : e->began ? GLINT_JOB_RENDERING : GLINT_JOB_QUEUED);
+    recall(s);
+    if (!paused)
+        glint_turn_join(s->live, s->lives, e);
+}
+
+// A job that stopped by time goes on where it stopped.
+static void resume(glint_scheduler *s, struct glint_entry *e)
+{
+    glint_revision_use(e->revision, 1);
+    atomic_store_explicit(&e->abandoned, false, memory_order_relaxed);
+    s->live[s->lives++] = e;
+    enter(s, e, GLINT_JOB_RENDERING);
+    glint_turn_join(s->live, s->lives, e);
+}
+
+static glint_status patch_ended(glint_scheduler *s, struct glint_command *c)
+{
+    struct glint_entry *e = c->entry;
+    const bool longer =
+        c->patch.has_seconds && (!c->patch.seconds || c->patch.seconds > e->render_seconds);
+    if (e->state != GLINT_JOB_DONE || !longer || glint_render_complete(e->render))
+        return glint_fail(c->err, GLINT_E_CONFLICT, "", "the job is %s and has no more to render",
+                          glint_job_state_name(e->state));
+    if (s->stopping || s->lives == GLINT_MAX_LIVE_JOBS)
+        return glint_fail(c->err, GLINT_E_BUSY, "", "no more jobs can render now");
+    glint_state_stop_seconds(s->table, e, c->patch.seconds);
+    if (c->patch.has_priority)
+        glint_state_priority(s->table, e, c->patch.priority);
+    resume(s, e);
+    if (c->patch.has_paused)
+        set_paused(s, e, c->patch.paused);
+    return GLINT_OK;
+}
+
+static glint_status patch(glint_scheduler *s, struct glint_command *c)
+{
+    struct glint_entry *e = c->entry;
+    if (!e->listed)
+        return glint_fail(c->err, GLINT_E_NOT_FOUND, "", "the job was forgotten just now");
+    if (glint_state_ended(e->state))
+        return patch_ended(s, c);
+    if (e->end != GLINT_JOB_QUEUED)
+        return glint_fail(c->err, GLINT_E_CONFLICT, "", "the job is about to be %s",
+                          glint_job_state_name(e->end));
+    if (c->patch.has_seconds)
+        glint_state_stop_seconds(s->table, e, c->patch.seconds);
+    if (c->patch.has_priority && c->patch.priority != e->priority) {
+        glint_state_priority(s->table, e, c->patch.priority);
+        glint_turn_join(s->live, s->lives, e);
+        recall(s);
+    }
+    if (c->patch.has_paused)
+        set_paused(s, e, c->patch.paused);
+    s->news = true;
+    return GLINT_OK;
+}
+
+static void begin_stop(glint_scheduler *s)
+{
+    s->stopping = true;
+    for (size_t i = s->lives; i--;) // backwards: end() may take the entry out
+        end(s, s->live[i], GLINT_JOB_CANCELLED);
+}
+
+static void obey(glint_scheduler *s, struct glint_command *c)
+{
+    c->status = GLINT_OK;
+    switch (c->kind) {
+    case GLINT_COMMAND_SUBMIT:
+        c->status = submit(s, c);
+        break;
+    case GLINT_COMMAND_DELETE:
+        c->status = delete (s, c);
+        break;
+    case GLINT_COMMAND_PATCH:
+        c->status = patch(s, c);
+        break;
+    case GLINT_COMMAND_WATCH:
+        s->changed = c->changed;
+        s->user = c->user;
+        break;
+    case GLINT_COMMAND_STOP:
+        begin_stop(s);
+        return;
+    }
+    answer(s, c);
+}
+
+// Answers of the crew.
+
+// Whether somebody else's film may go and make room.
+static bool others_hold_films(const glint_scheduler *s, const struct glint_entry *e)
+{
+    for (size_t i = 0; i < s->lives; i++)
+        if (s->live[i] != e && s->live[i]->render)
+            return true;
+    return false;
+}
+
+static void not_prepared(glint_scheduler *s, struct glint_entry *e, struct glint_message *m)
+{
+    const bool memory = m->status == GLINT_E_CAPACITY || m->status == GLINT_E_NOMEM;
+    if (!memory || !others_hold_films(s, e)) {
+        fail(s, e, &m->error);
+        return;
+    }
+    glint_log(GLINT_LOG_INFO, "jobs", e->id, NULL, "waits for another job to end: %s",
+              glint_error_text(&m->error));
+    glint_error_finish(&m->error);
+    e->blocked = true;
+}
+
+static void prepared(glint_scheduler *s, struct glint_message *m)
+{
+    struct glint_entry *e = m->entry;
+    s->preparing = e->preparing = false;
+    if (glint_state_ended(e->state)) { // a film without a sample is of no use to anybody
+        glint_render_destroy(&m->render);
+        glint_error_finish(&m->error);
+    } else if (m->status) {
+        not_prepared(s, e, m);
+    } else {
+        glint_state_prepared(s->table, e, &m->render);
+        glint_turn_join(s->live, s->lives, e);
+        recall(s);
+        s->news = true;
+        end_if_complete(s, e);
+    }
+    glint_entry_release(&m->entry);
+}
+
+static void returned(glint_scheduler *s, struct glint_message *m)
+{
+    struct glint_entry *e = m->entry;
+    s->load[m->worker]--;
+    e->out--;
+    glint_render_give_back(e->render, &m->slice, !m->status);
+    glint_state_slice(s->table, e, m->seconds);
+    glint_turn_charge(e, m->seconds);
+    s->news = true;
+    if (m->status)
+        fail(s, e, &m->error);
+    if (e->end != GLINT_JOB_QUEUED && !e->out && !glint_state_ended(e->state))
+        settle(s, e);
+    else
+        end_if_complete(s, e);
+}
+
+static void handle(glint_scheduler *s, struct glint_message *m)
+{
+    switch (m->kind) {
+    case GLINT_MESSAGE_COMMAND:
+        obey(s, m->command);
+        break;
+    case GLINT_MESSAGE_PREPARED:
+        prepared(s, m);
+        break;
+    case GLINT_MESSAGE_RETURNED:
+        returned(s, m);
+        break;
+    }
+}
+
+// What the scheduler does of itself.
+
+static double next_deadline(const glint_scheduler *s)
+{
+    double next = INFINITY;
+    for (size_t i = 0; i < s->lives; i++)
+        if (s->live[i]->end == GLINT_JOB_QUEUED)
+            next = fmin(next, glint_state_deadline(s->live[i]));
+    return next;
+}
+
+static void end_late(glint_scheduler *s)
+{
+    const double now = glint_now();
+    for (size_t i = s->lives; i--;)
+        if (glint_state_deadline(s->live[i]) <= now)
+            end(s, s->live[i], GLINT_JOB_DONE);
+}
+
+static void prepare_next(glint_scheduler *s)
+{
+    struct glint_entry *e = s->preparing ? NULL : glint_turn_prepare(s->live, s->lives);
+    if (!e)
+        return;
+    s->preparing = e->preparing = true;
+    glint_crew_prepare(s->crew, e);
+}
+
+// The worker with the fewest orders, or GLINT_NONE when all have their fill.
+static uint32_t idlest(const glint_scheduler *s)
+{
+    uint32_t best = GLINT_NONE, load = GLINT_CREW_DEPTH;
+    for (uint32_t w = 0; w < glint_crew_workers(s->crew); w++)
+        if (s->load[w] < load) {
+            best = w;
+            load = s->load[w];
+        }
+    return best;
+}
+
+static void hand_out(glint_scheduler *s, uint32_t worker, struct glint_entry *e,
+                     const struct glint_slice *slice)
+{
+    if (!e->began)
+        enter(s, e, GLINT_JOB_RENDERING);
+    e->began = true;
+    e->out++;
+    s->load[worker]++;
+    glint_crew_run(s->crew, worker, e, slice);
+}
+
+static void dispatch(glint_scheduler *s)
+{
+    for (size_t i = 0; i < s->lives; i++)
+        s->live[i]->dry = false;
+    for (uint32_t worker; (worker = idlest(s)) != GLINT_NONE;) {
+        struct glint_entry *e = glint_turn_next(s->live, s->lives);
+        struct glint_slice slice;
+        if (!e)
+            return;
+        e->dry = !glint_render_take(e->render, &slice);
+        if (!e->dry)
+            hand_out(s, worker, e, &slice);
+    }
+}
+
+// A job with nothing out, nothing to take and samples missing would wait for ever.
+static void fail_stuck(glint_scheduler *s)
+{
+    for (size_t i = s->lives; i--;) {
+        struct glint_entry *e = s->live[i];
+        if (!e->dry || e->out || !glint_turn_wants(e))
+            continue;
+        struct glint_error error = {0};
+        glint_fail(&error, GLINT_E_INTERNAL, "", "samples are missing and no slice is left");
+        fail(s, e, &error);
+    }
+}
+
+static void *run(void *arg)
+{
+    glint_scheduler *s = arg;
+    struct glint_message message;
+    while (!s->stopping || s->lives) {
+        if (glint_queue_pop_until(s->inbox, &message, next_deadline(s)))
+            do
+                handle(s, &message);
+            while (glint_queue_poll(s->inbox, &message));
+        end_late(s);
+        prepare_next(s);
+        dispatch(s);
+        fail_stuck(s);
+        if (s->news && s->changed)
+            s->changed(s->user);
+        s->news = false;
+    }
+    return NULL;
+}
+
+glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *devices,
+                                    struct glint_job_table *table, struct glint_error *err)
+{
+    *out = NULL;
+    glint_scheduler *s = calloc(1, sizeof *s);
+    const uint32_t workers = glint_devices_workers(devices);
+    uint32_t *load = calloc(workers, sizeof *load);
+    if (!s || !load) {
+        free(s);
+        free(load);
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the scheduler");
+    }
+    s->table = table;
+    s->load = load;
+    pthread_mutex_init(&s->mutex, NULL);
+    pthread_cond_init(&s->answer, NULL);
+    glint_status st = glint_queue_create(&s->inbox, GLINT_CREW_DEPTH * workers + 1 + COMMAND_ROOM,
+                                         sizeof(struct glint_message), err);
+    if (!st)
+        st = glint_crew_create(&s->crew, devices, s->inbox, err);
+    if (!st)
+        st = glint_thread_start(&s->thread, "scheduler", run, s, err);
+    s->started = !st;
+    if (st)
+        glint_scheduler_destroy(&s);
+    *out = s;
+    return st;
+}
+
+static void stop(glint_scheduler *s)
+{
+    // Nobody waits for an answer: the thread's end is one.
+    struct glint_command command = {.kind = GLINT_COMMAND_STOP};
+    const struct glint_message message = {.kind = GLINT_MESSAGE_COMMAND, .command = &command};
+    glint_queue_push(s->inbox, &message); // waits for room: this one must not be refused
+    pthread_join(s->thread, NULL);
+}
+
+void glint_scheduler_destroy(glint_scheduler **scheduler)
+{
+    glint_scheduler *s = *scheduler;
+    if (!s)
+        return;
+    if (s->started)
+        stop(s);
+    if (s->inbox)
+        glint_queue_close(s->inbox);
+    glint_crew_destroy(&s->crew);
+    for (struct glint_message m; s->inbox && glint_queue_poll(s->inbox, &m);)
+        prepared(s, &m); // with no job left, nothing else can have come
+    glint_queue_destroy(&s->inbox);
+    pthread_cond_destroy(&s->answer);
+    pthread_mutex_destroy(&s->mutex);
+    free(s->load);
+    free(s);
+    *scheduler = NULL;
+}

@@ -1,0 +1,49 @@
+// scheduler.h - the thread that owns the table: it makes every state change and says who renders
+// what next.
+//
+// Others send it commands through its bounded inbox and wait for the answer, which takes no longer
+// than the messages before it: it never waits for a render, a compiler or a lock held long. When
+// the inbox is full a command is refused with GLINT_E_BUSY.
+//
+// Threads: create/destroy by one; call by any other but the scheduler itself.
+#ifndef GLINT_JOBS_SCHEDULER_H
+#define GLINT_JOBS_SCHEDULER_H
+
+#include "jobs/patch.h"
+#include "jobs/table.h"
+
+typedef struct glint_scheduler glint_scheduler;
+
+enum glint_command_kind {
+    GLINT_COMMAND_SUBMIT, // adds `entry`, or finds the one with its key
+    GLINT_COMMAND_DELETE, // cancels, or forgets
+    GLINT_COMMAND_PATCH,
+    GLINT_COMMAND_WATCH, // sets the callback
+    GLINT_COMMAND_STOP,  // destroy's alone: cancels what lives, ends the thread once nothing is out
+};
+
+struct glint_command {
+    enum glint_command_kind kind;
+    struct glint_entry *entry; // SUBMIT: takes the reference on success; DELETE, PATCH: borrowed
+    struct glint_job_patch patch;
+    void (*changed)(void *user); // WATCH
+    void *user;
+
+    // The answer.
+    glint_status status;
+    struct glint_error *err;      // the caller's, filled while it waits
+    struct glint_entry *repeated; // SUBMIT: the job that had the key, retained
+    struct glint_entry *gone;     // out of the table, by `next`: the caller releases them
+    bool forgotten;               // DELETE
+    bool answered;                // the scheduler's and call's
+};
+
+// `table` outlives the scheduler.
+glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *devices,
+                                    struct glint_job_table *table, struct glint_error *err);
+// Stops after the slices out now; what has not ended becomes cancelled.
+void glint_scheduler_destroy(glint_scheduler **scheduler);
+
+glint_status glint_scheduler_call(glint_scheduler *scheduler, struct glint_command *command);
+
+#endif

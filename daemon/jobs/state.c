@@ -1,0 +1,85 @@
+#include "jobs/state.h"
+
+#include "base/clock.h"
+
+#include <math.h>
+
+const char *glint_job_state_name(enum glint_job_state state)
+{
+    static const char *const name[] = {
+        [GLINT_JOB_QUEUED] = "queued", [GLINT_JOB_RENDERING] = "rendering",
+        [GLINT_JOB_PAUSED] = "paused", [GLINT_JOB_DONE] = "done",
+        [GLINT_JOB_FAILED] = "failed", [GLINT_JOB_CANCELLED] = "cancelled",
+    };
+    return name[state];
+}
+
+void glint_state_enter(struct glint_job_table *table, struct glint_entry *entry,
+                       enum glint_job_state state)
+{
+    const double now = glint_now();
+    pthread_mutex_lock(&table->mutex);
+    entry->render_seconds = glint_entry_seconds(entry, now);
+    entry->since = state == GLINT_JOB_RENDERING ? now : NAN;
+    entry->state = state;
+    entry->sequence++;
+    pthread_mutex_unlock(&table->mutex);
+}
+
+void glint_state_blame(struct glint_job_table *table, struct glint_entry *entry,
+                       struct glint_error *error)
+{
+    if (entry->problem.status) {
+        glint_error_finish(error);
+        return;
+    }
+    pthread_mutex_lock(&table->mutex);
+    entry->problem = *error;
+    pthread_mutex_unlock(&table->mutex);
+    *error = (struct glint_error){0};
+}
+
+void glint_state_prepared(struct glint_job_table *table, struct glint_entry *entry,
+                          glint_render **render)
+{
+    pthread_mutex_lock(&table->mutex);
+    entry->render = *render;
+    entry->sequence++;
+    pthread_mutex_unlock(&table->mutex);
+    *render = NULL;
+}
+
+void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry, double seconds)
+{
+    pthread_mutex_lock(&table->mutex);
+    entry->worker_seconds += seconds;
+    entry->sequence++;
+    table->slices++;
+    table->busy_seconds += seconds;
+    pthread_mutex_unlock(&table->mutex);
+}
+
+void glint_state_priority(struct glint_job_table *table, struct glint_entry *entry,
+                          int32_t priority)
+{
+    pthread_mutex_lock(&table->mutex);
+    entry->priority = priority;
+    entry->sequence++;
+    pthread_mutex_unlock(&table->mutex);
+}
+
+void glint_state_stop_seconds(struct glint_job_table *table, struct glint_entry *entry,
+                              double seconds)
+{
+    pthread_mutex_lock(&table->mutex);
+    entry->stop_seconds = seconds;
+    entry->sequence++;
+    pthread_mutex_unlock(&table->mutex);
+}
+
+double glint_state_deadline(const struct glint_entry *entry)
+{
+    if (entry->stop_seconds <= 0 || isnan(entry->since))
+        return INFINITY;
+    return entry->since + (entry->stop_seconds - entry->render_seconds);
+}

@@ -1,0 +1,38 @@
+// state.h - the changes of an entry's state, each under the table's mutex.
+//
+//   queued -> rendering -> done, failed, cancelled
+//   queued, rendering <-> paused
+//   done -> rendering, when a longer time is granted to a job that stopped by time
+//
+// The clock of a job runs while it is `rendering`: seconds of a pause do not count.
+//
+// Threads: the scheduler.
+#ifndef GLINT_JOBS_STATE_H
+#define GLINT_JOBS_STATE_H
+
+#include "jobs/table.h"
+
+// Enters a state that is not failed; the clock runs from now on if it is `rendering`.
+void glint_state_enter(struct glint_job_table *table, struct glint_entry *entry,
+                       enum glint_job_state state);
+
+// Notes why the job will fail: moves *error. The first reason stays.
+void glint_state_blame(struct glint_job_table *table, struct glint_entry *entry,
+                       struct glint_error *error);
+
+// Moves *render into the entry.
+void glint_state_prepared(struct glint_job_table *table, struct glint_entry *entry,
+                          glint_render **render);
+
+// Counts a slice that was run.
+void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry, double seconds);
+
+void glint_state_priority(struct glint_job_table *table, struct glint_entry *entry,
+                          int32_t priority);
+void glint_state_stop_seconds(struct glint_job_table *table, struct glint_entry *entry,
+                              double seconds);
+
+// glint_now() at which stop.seconds is reached, INFINITY while its clock stands or without a limit.
+double glint_state_deadline(const struct glint_entry *entry);
+
+#endif

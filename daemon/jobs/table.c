@@ -1,0 +1,146 @@
+#include "jobs/table.h"
+
+#include "base/clock.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void glint_job_table_init(struct glint_job_table *table)
+{
+    *table = (struct glint_job_table){0};
+    pthread_mutex_init(&table->mutex, NULL);
+}
+
+void glint_job_table_finish(struct glint_job_table *table)
+{
+    for (size_t i = 0; i < table->count; i++)
+        glint_entry_release(&table->entry[i]);
+    free(table->entry);
+    pthread_mutex_destroy(&table->mutex);
+}
+
+// With the mutex.
+static struct glint_entry *find(const struct glint_job_table *table, const char *id)
+{
+    for (size_t i = 0; i < table->count; i++)
+        if (!strcmp(table->entry[i]->id, id))
+            return table->entry[i];
+    return NULL;
+}
+
+struct glint_entry *glint_job_table_hold(struct glint_job_table *table, const char *id,
+                                         struct glint_error *err)
+{
+    pthread_mutex_lock(&table->mutex);
+    struct glint_entry *entry = find(table, id);
+    if (entry)
+        glint_entry_retain(entry);
+    pthread_mutex_unlock(&table->mutex);
+    if (!entry)
+        glint_fail(err, GLINT_E_NOT_FOUND, "", "there is no job \"%.64s\"", id);
+    return entry;
+}
+
+struct glint_entry *glint_job_table_find_key(const struct glint_job_table *table, const char *key)
+{
+    const double oldest = glint_now() - GLINT_KEY_SECONDS;
+    for (size_t i = table->count; i--;) {
+        struct glint_entry *entry = table->entry[i];
+        if (entry->submitted < oldest)
+            return NULL;
+        if (entry->key && !strcmp(entry->key, key))
+            return entry;
+    }
+    return NULL;
+}
+
+static bool grow(struct glint_job_table *table)
+{
+    const size_t capacity = table->capacity ? 2 * table->capacity : 64;
+    struct glint_entry **more = malloc(capacity * sizeof *more);
+    if (!more)
+        return false;
+    if (table->count)
+        memcpy(more, table->entry, table->count * sizeof *more);
+    struct glint_entry **old = table->entry;
+    pthread_mutex_lock(&table->mutex);
+    table->entry = more;
+    table->capacity = capacity;
+    pthread_mutex_unlock(&table->mutex);
+    free(old);
+    return true;
+}
+
+bool glint_job_table_add(struct glint_job_table *table, struct glint_entry *entry)
+{
+    if (table->count == table->capacity && !grow(table))
+        return false;
+    entry->listed = true;
+    pthread_mutex_lock(&table->mutex);
+    table->entry[table->count++] = entry;
+    table->submitted++;
+    pthread_mutex_unlock(&table->mutex);
+    return true;
+}
+
+void glint_job_table_remove(struct glint_job_table *table, struct glint_entry *entry)
+{
+    size_t at = 0;
+    while (table->entry[at] != entry)
+        at++;
+    entry->listed = false;
+    pthread_mutex_lock(&table->mutex);
+    table->count--;
+    memmove(table->entry + at, table->entry + at + 1, (table->count - at) * sizeof *table->entry);
+    pthread_mutex_unlock(&table->mutex);
+}
+
+struct glint_entry *glint_job_table_trim(struct glint_job_table *table)
+{
+    size_t ended = 0;
+    for (size_t i = 0; i < table->count; i++)
+        ended += glint_state_ended(table->entry[i]->state);
+    struct glint_entry *gone = NULL;
+    for (size_t i = 0; ended > GLINT_MAX_ENDED_JOBS;) {
+        struct glint_entry *entry = table->entry[i];
+        if (!glint_state_ended(entry->state)) {
+            i++;
+            continue;
+        }
+        glint_job_table_remove(table, entry);
+        entry->next = gone;
+        gone = entry;
+        ended--;
+    }
+    return gone;
+}
+
+struct glint_entry *glint_entry_retain(struct glint_entry *entry)
+{
+    // Relaxed: who retains holds a reference already, or the table's mutex.
+    atomic_fetch_add_explicit(&entry->references, 1, memory_order_relaxed);
+    return entry;
+}
+
+void glint_entry_release(struct glint_entry **entry)
+{
+    struct glint_entry *e = *entry;
+    *entry = NULL;
+    // Acquire and release: the last to leave sees what the others did before they left.
+    if (!e || atomic_fetch_sub_explicit(&e->references, 1, memory_order_acq_rel) != 1)
+        return;
+    glint_render_destroy(&e->render);
+    glint_revision_release(&e->revision);
+    glint_job_destroy(&e->job);
+    glint_error_finish(&e->problem);
+    cJSON_Delete(e->warnings);
+    free(e->text);
+    free(e->key);
+    free(e);
+}
+
+double glint_entry_seconds(const struct glint_entry *entry, double now)
+{
+    return entry->render_seconds + (isnan(entry->since) ? 0 : fmax(now - entry->since, 0));
+}

@@ -1,0 +1,103 @@
+// table.h - the jobs and what is known of each.
+//
+// An entry's fields fall into groups, by who may touch them:
+//   fixed      written before the entry is in the table, never again: any thread
+//   shared     written by the scheduler under the table's mutex; read by others under it, and by
+//              the scheduler without
+//   scheduler  its alone
+//   counted    atomic
+//
+// Locks: the table's mutex is a leaf. Nothing that locks, waits or calls another module runs under
+// it, so it has no order to keep with the locks of queues, renders and stores.
+#ifndef GLINT_JOBS_TABLE_H
+#define GLINT_JOBS_TABLE_H
+
+#include "jobs/jobs.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+#define GLINT_MAX_LIVE_JOBS 4096u  // queued, rendering or paused
+#define GLINT_MAX_ENDED_JOBS 1000u // kept; when more have ended, the oldest are forgotten
+#define GLINT_KEY_SECONDS \
+    86400.0 // an Idempotency-Key is good for a day, and while its job is known
+
+struct glint_entry {
+    // fixed
+    char id[GLINT_JOB_ID_BYTES];
+    struct glint_job *job;
+    char *text;               // canonical JSON of `job`
+    char *key;                // Idempotency-Key or NULL
+    glint_revision *revision; // retained
+    cJSON *warnings;          // array of strings
+    char created[32];
+    double submitted; // glint_now()
+
+    // shared
+    enum glint_job_state state;
+    glint_render *render; // NULL until prepared
+    struct glint_error problem;
+    int32_t priority;
+    double stop_seconds;   // 0: none
+    double render_seconds; // of rendering, up to `since`
+    double since;          // glint_now() from which it is rendering, NAN: not now
+    double worker_seconds;
+    uint64_t sequence;
+
+    // scheduler
+    bool listed;              // in the table
+    bool preparing;           // at the preparer
+    bool blocked;             // found no memory; waits for another job to end
+    bool began;               // has had a slice
+    bool dry;                 // had no slice to give in this round of turns
+    uint32_t out;             // slices at workers
+    double turn;              // worker seconds on the scale on which equals take turns
+    double slice_seconds;     // of late, per slice
+    enum glint_job_state end; // state to end in once `out` is 0; QUEUED: not ending
+    struct glint_entry *next; // of entries on their way out of the table
+
+    // counted
+    atomic_uint references;
+    atomic_bool abandoned; // set by the scheduler: not worth preparing any more
+};
+
+struct glint_job_table {
+    pthread_mutex_t mutex;
+    struct glint_entry **entry; // [count] in order of submission, one reference each
+    size_t count, capacity;
+    uint64_t submitted, slices;
+    double busy_seconds;
+};
+
+void glint_job_table_init(struct glint_job_table *table);
+void glint_job_table_finish(struct glint_job_table *table); // drops every reference
+
+// Retained, or NULL with GLINT_E_NOT_FOUND in *err.
+struct glint_entry *glint_job_table_hold(struct glint_job_table *table, const char *id,
+                                         struct glint_error *err);
+
+// The entry that was submitted with this key in the last day, not retained, or NULL. With the
+// mutex, or by the scheduler.
+struct glint_entry *glint_job_table_find_key(const struct glint_job_table *table, const char *key);
+
+// Scheduler only. add takes the reference; false without memory. remove hands the table's reference
+// to the caller.
+bool glint_job_table_add(struct glint_job_table *table, struct glint_entry *entry);
+void glint_job_table_remove(struct glint_job_table *table, struct glint_entry *entry);
+
+// Scheduler only: takes the oldest ended jobs past GLINT_MAX_ENDED_JOBS out; a list by `next`.
+struct glint_entry *glint_job_table_trim(struct glint_job_table *table);
+
+static inline bool glint_state_ended(enum glint_job_state state)
+{
+    return state >= GLINT_JOB_DONE;
+}
+
+struct glint_entry *glint_entry_retain(struct glint_entry *entry);
+// The last reference frees the film, which takes a while: not under a lock.
+void glint_entry_release(struct glint_entry **entry);
+
+// Seconds of rendering up to now. With the mutex, or by the scheduler.
+double glint_entry_seconds(const struct glint_entry *entry, double now);
+
+#endif

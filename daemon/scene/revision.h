@@ -1,0 +1,34 @@
+// revision.h - how the store makes a revision; everybody else sees store.h.
+//
+// Threads: any; the counts are atomic, the rest is immutable once made.
+#ifndef GLINT_SCENE_REVISION_H
+#define GLINT_SCENE_REVISION_H
+
+#include "scene/store.h"
+
+#include <stdatomic.h>
+
+// Jobs that hold any revision of one scene. Counted, because revisions outlive the scene's name.
+struct glint_usage {
+    atomic_uint references;
+    atomic_int jobs;
+};
+
+struct glint_usage *glint_usage_create(void); // NULL without memory
+struct glint_usage *glint_usage_retain(struct glint_usage *usage);
+void glint_usage_release(struct glint_usage **usage);
+
+// Takes `import` and `usage` always, `import` also when it fails. *resident_bytes, which must
+// outlive the revision, grows by its size until it is freed.
+glint_status glint_revision_create(glint_revision **out, glint_devices *devices, const char *name,
+                                   struct glint_import *import, struct glint_usage *usage,
+                                   _Atomic uint64_t *resident_bytes, struct glint_error *err);
+
+// The usage that a next revision of the scene shares; borrowed.
+struct glint_usage *glint_revision_usage(const glint_revision *revision);
+
+// 64 hex digits and a terminator: SHA-256 of the canonical text. The text names every mesh and
+// image by the hash of its bytes, so it covers the assets too.
+void glint_revision_hash(const struct glint_import *import, char id[65]);
+
+#endif

@@ -1,0 +1,313 @@
+#include "scene/store.h"
+
+#include "base/log.h"
+#include "scene/revision.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_NAME_BYTES 128
+#define MAX_SCENES 4096
+
+struct named {
+    char *name;
+    glint_revision *current; // retained
+};
+
+struct glint_store {
+    glint_devices *devices;
+    glint_importer *importer;
+    struct glint_import_limits limits;
+    _Atomic uint64_t resident_bytes, imports, import_failures;
+    pthread_mutex_t mutex;
+    struct named scene[MAX_SCENES]; // by name
+    size_t scenes;
+};
+
+glint_status glint_store_create(glint_store **out, glint_devices *devices, glint_importer *importer,
+                                const struct glint_import_limits *limits, struct glint_error *err)
+{
+    *out = calloc(1, sizeof **out);
+    if (!*out)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the scene store");
+    (*out)->devices = devices;
+    (*out)->importer = importer;
+    (*out)->limits = *limits;
+    pthread_mutex_init(&(*out)->mutex, NULL);
+    return GLINT_OK;
+}
+
+void glint_store_destroy(glint_store **store)
+{
+    glint_store *s = *store;
+    if (!s)
+        return;
+    for (size_t i = 0; i < s->scenes; i++) {
+        glint_revision_release(&s->scene[i].current);
+        free(s->scene[i].name);
+    }
+    pthread_mutex_destroy(&s->mutex);
+    free(s);
+    *store = NULL;
+}
+
+static glint_status check_name(const char *name, struct glint_error *err)
+{
+    static const char allowed[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
+    const size_t length = strlen(name);
+    if (length && length <= MAX_NAME_BYTES && strspn(name, allowed) == length)
+        return GLINT_OK;
+    return glint_fail(err, GLINT_E_RANGE, "",
+                      "scene name \"%.140s\": 1 to %d letters, digits, '.', '_', '-' are allowed",
+                      name, MAX_NAME_BYTES);
+}
+
+// Index of the name, or where it would stand (*found false). With the mutex.
+static size_t find(const glint_store *s, const char *name, bool *found)
+{
+    size_t low = 0, high = s->scenes;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (strcmp(s->scene[middle].name, name) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    *found = low < s->scenes && !strcmp(s->scene[low].name, name);
+    return low;
+}
+
+// With the mutex.
+static glint_status check_match(const glint_store *s, const char *name, const char *if_match,
+                                struct glint_error *err)
+{
+    if (!if_match)
+        return GLINT_OK;
+    bool found;
+    const size_t at = find(s, name, &found);
+    if (!found)
+        return glint_fail(err, GLINT_E_STALE, "", "there is no scene \"%s\" to match", name);
+    const char *current = glint_revision_id(s->scene[at].current);
+    if (strcmp(current, if_match))
+        return glint_fail(err, GLINT_E_STALE, "", "the revision is %s by now", current);
+    return GLINT_OK;
+}
+
+static glint_status check_match_locked(glint_store *s, const char *name, const char *if_match,
+                                       struct glint_error *err)
+{
+    pthread_mutex_lock(&s->mutex);
+    const glint_status st = check_match(s, name, if_match, err);
+    pthread_mutex_unlock(&s->mutex);
+    return st;
+}
+
+// The scene's revision if it is `id` already; and the usage that its next revision shares, retained.
+static glint_revision *look_up(glint_store *s, const char *name, const char *id,
+                               struct glint_usage **usage)
+{
+    glint_revision *same = NULL;
+    *usage = NULL;
+    pthread_mutex_lock(&s->mutex);
+    bool found;
+    const size_t at = find(s, name, &found);
+    if (found && !strcmp(glint_revision_id(s->scene[at].current), id))
+        same = glint_revision_retain(s->scene[at].current);
+    else if (found)
+        *usage = glint_usage_retain(glint_revision_usage(s->scene[at].current));
+    pthread_mutex_unlock(&s->mutex);
+    return same;
+}
+
+// With the mutex. Makes room for a new name at `at`.
+static glint_status insert(glint_store *s, size_t at, const char *name, struct glint_error *err)
+{
+    if (s->scenes == MAX_SCENES)
+        return glint_fail(err, GLINT_E_CAPACITY, "", "%d scenes are named already", MAX_SCENES);
+    char *copy = strdup(name);
+    if (!copy)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a scene name");
+    memmove(s->scene + at + 1, s->scene + at, (s->scenes - at) * sizeof *s->scene);
+    s->scene[at] = (struct named){copy, NULL};
+    s->scenes++;
+    return GLINT_OK;
+}
+
+// Names the revision, unless If-Match stopped holding while it was made. *replaced, to be released
+// by the caller without the mutex: freeing a scene takes a while.
+static glint_status publish(glint_store *s, const char *name, const char *if_match,
+                            glint_revision *revision, glint_revision **replaced,
+                            struct glint_error *err)
+{
+    *replaced = NULL;
+    pthread_mutex_lock(&s->mutex);
+    bool found;
+    const size_t at = find(s, name, &found);
+    glint_status st = check_match(s, name, if_match, err);
+    if (!st && !found)
+        st = insert(s, at, name, err);
+    if (!st) {
+        *replaced = s->scene[at].current;
+        s->scene[at].current = glint_revision_retain(revision);
+    }
+    pthread_mutex_unlock(&s->mutex);
+    return st;
+}
+
+// Takes `import`.
+static glint_status load(glint_store *s, const char *name, struct glint_import *import,
+                         glint_revision **out, bool *same, struct glint_error *err)
+{
+    char id[65];
+    struct glint_usage *usage;
+    glint_revision_hash(import, id);
+    *out = look_up(s, name, id, &usage);
+    *same = *out != NULL;
+    if (*same) {
+        glint_import_destroy(&import);
+        return GLINT_OK;
+    }
+    if (!usage)
+        usage = glint_usage_create();
+    if (!usage) {
+        glint_import_destroy(&import);
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a revision");
+    }
+    return glint_revision_create(out, s->devices, name, import, usage, &s->resident_bytes, err);
+}
+
+static glint_status import_and_publish(glint_store *s, const char *name, enum glint_scene_type type,
+                                       const uint8_t *bytes, size_t size, const char *if_match,
+                                       glint_revision **out, bool *created, struct glint_error *err)
+{
+    struct glint_import *import;
+    bool same;
+    glint_status st = glint_import_run(s->importer, type, bytes, size, &s->limits, &import, err);
+    if (!st)
+        st = load(s, name, import, out, &same, err);
+    if (st)
+        return st;
+
+    glint_revision *replaced;
+    st = publish(s, name, if_match, *out, &replaced, err);
+    *created = !st && !replaced;
+    glint_revision_release(&replaced);
+    if (st)
+        glint_revision_release(out);
+    return st;
+}
+
+glint_status glint_store_put(glint_store *s, const char *name, enum glint_scene_type type,
+                             const uint8_t *bytes, size_t size, const char *if_match,
+                             glint_revision **out, bool *created, struct glint_error *err)
+{
+    *out = NULL;
+    *created = false;
+    glint_status st = check_name(name, err);
+    if (!st)
+        st = check_match_locked(s, name, if_match, err); // before seconds are spent on the import
+    if (st)
+        return st;
+    atomic_fetch_add(&s->imports, 1);
+    st = import_and_publish(s, name, type, bytes, size, if_match, out, created, err);
+    if (st)
+        atomic_fetch_add(&s->import_failures, 1);
+    else
+        glint_log(GLINT_LOG_INFO, "scene", NULL, NULL, "scene \"%s\" is at revision %.12s", name,
+                  glint_revision_id(*out));
+    return st;
+}
+
+glint_status glint_store_get(glint_store *s, const char *name, glint_revision **out,
+                             struct glint_error *err)
+{
+    *out = NULL;
+    pthread_mutex_lock(&s->mutex);
+    bool found;
+    const size_t at = find(s, name, &found);
+    if (found)
+        *out = glint_revision_retain(s->scene[at].current);
+    pthread_mutex_unlock(&s->mutex);
+    if (found)
+        return GLINT_OK;
+    return glint_fail(err, GLINT_E_NOT_FOUND, "", "there is no scene \"%.140s\"", name);
+}
+
+// With the mutex.
+static glint_status check_unused(const struct named *scene, bool force, struct glint_error *err)
+{
+    const int jobs = atomic_load(&glint_revision_usage(scene->current)->jobs);
+    if (force || jobs <= 0)
+        return GLINT_OK;
+    return glint_fail(err, GLINT_E_CONFLICT, "", "%d job%s the scene \"%s\"", jobs,
+                      jobs == 1 ? " uses" : "s use", scene->name);
+}
+
+// With the mutex. Takes the name out of the table; what it held is the caller's.
+static struct named cut(glint_store *s, size_t at)
+{
+    const struct named gone = s->scene[at];
+    s->scenes--;
+    memmove(s->scene + at, s->scene + at + 1, (s->scenes - at) * sizeof *s->scene);
+    return gone;
+}
+
+glint_status glint_store_delete(glint_store *s, const char *name, const char *if_match, bool force,
+                                struct glint_error *err)
+{
+    struct named gone = {NULL, NULL};
+    pthread_mutex_lock(&s->mutex);
+    bool found;
+    const size_t at = find(s, name, &found);
+    glint_status st =
+        found ? check_match(s, name, if_match, err)
+              : glint_fail(err, GLINT_E_NOT_FOUND, "", "there is no scene \"%.140s\"", name);
+    if (!st)
+        st = check_unused(&s->scene[at], force, err);
+    if (!st)
+        gone = cut(s, at);
+    pthread_mutex_unlock(&s->mutex);
+    glint_revision_release(&gone.current);
+    free(gone.name);
+    return st;
+}
+
+// *out: every current revision, retained, in a malloc'd array.
+static bool retain_all(glint_store *s, glint_revision ***out, size_t *count)
+{
+    pthread_mutex_lock(&s->mutex);
+    *count = s->scenes;
+    *out = malloc((s->scenes + 1) * sizeof **out);
+    for (size_t i = 0; *out && i < s->scenes; i++)
+        (*out)[i] = glint_revision_retain(s->scene[i].current);
+    pthread_mutex_unlock(&s->mutex);
+    return *out != NULL;
+}
+
+cJSON *glint_store_list(glint_store *s)
+{
+    glint_revision **revision;
+    size_t count;
+    if (!retain_all(s, &revision, &count))
+        return NULL;
+    cJSON *list = cJSON_CreateObject();
+    cJSON *scenes = cJSON_AddArrayToObject(list, "scenes");
+    for (size_t i = 0; i < count; i++) {
+        cJSON_AddItemToArray(scenes, glint_revision_resource(revision[i]));
+        glint_revision_release(&revision[i]);
+    }
+    free(revision);
+    return list;
+}
+
+void glint_store_stats(glint_store *s, struct glint_store_stats *out)
+{
+    pthread_mutex_lock(&s->mutex);
+    out->scenes = (uint32_t)s->scenes;
+    pthread_mutex_unlock(&s->mutex);
+    out->resident_bytes = atomic_load(&s->resident_bytes);
+    out->imports = atomic_load(&s->imports);
+    out->import_failures = atomic_load(&s->import_failures);
+}
