@@ -32,6 +32,7 @@ UNIT_TESTS = \
 	tests/unit/test_png \
 	tests/unit/test_problem \
 	tests/unit/test_queue \
+	tests/unit/test_range \
 	tests/unit/test_scene \
 	tests/unit/test_status
 check_PROGRAMS += $(UNIT_TESTS)

@@ -2,7 +2,7 @@
 
 #include "http/range.h"
 #include "http/routes.h"
-#include "protocol/text.h"
+#include "protocol/problem.h"
 
 #include <assert.h>
 #include <stdarg.h>
@@ -155,29 +155,10 @@ void glint_answer_blob(struct glint_request *r, int status, const char *type,
                             part.first + part.length - 1, size);
 }
 
-static void member(struct glint_text *t, const char *key, const char *value)
+// Takes `text`.
+static void answer_problem(struct glint_request *r, int status, char *text)
 {
-    glint_text_key(t, key);
-    glint_text_string(t, value);
-}
-
-static void start_problem(struct glint_text *t, struct glint_request *r, int status,
-                          const char *type, const char *title)
-{
-    glint_text_add(t, "{");
-    member(t, "type", type);
-    member(t, "title", title);
-    glint_text_key(t, "status");
-    glint_text_print(t, "%d", status);
-    member(t, "request_id", r->id);
-}
-
-static void finish_problem(struct glint_text *t, struct glint_request *r, int status)
-{
-    size_t length;
-    glint_text_add(t, "}\n");
-    char *text = glint_text_take(t, &length);
-    answer_owned(r, status, "application/problem+json", text, length);
+    answer_owned(r, status, "application/problem+json", text, text ? strlen(text) : 0);
     if (status == MHD_HTTP_SERVICE_UNAVAILABLE)
         glint_answer_header(r, "Retry-After", "1");
 }
@@ -185,22 +166,7 @@ static void finish_problem(struct glint_text *t, struct glint_request *r, int st
 void glint_answer_error(struct glint_request *r, struct glint_error *err)
 {
     assert(err->count);
-    const int status = glint_status_http(err->status);
-    struct glint_text t = {0};
-    start_problem(&t, r, status, glint_status_problem(err->status),
-                  glint_status_title(err->status));
-    member(&t, "detail", glint_error_text(err));
-    glint_text_key(&t, "errors");
-    glint_text_add(&t, "[");
-    for (size_t i = 0; i < err->count; i++) {
-        glint_text_item(&t);
-        glint_text_add(&t, "{");
-        member(&t, "pointer", err->fault[i].pointer);
-        member(&t, "detail", err->fault[i].detail);
-        glint_text_add(&t, "}");
-    }
-    glint_text_add(&t, "]");
-    finish_problem(&t, r, status);
+    answer_problem(r, glint_status_http(err->status), glint_problem_text(err, r->url, r->id));
     glint_error_finish(err);
 }
 
@@ -212,8 +178,13 @@ void glint_answer_problem(struct glint_request *r, int status, const char *title
     va_start(args, format);
     vsnprintf(detail, sizeof detail, format, args);
     va_end(args);
-    struct glint_text t = {0};
-    start_problem(&t, r, status, "about:blank", title);
-    member(&t, "detail", detail);
-    finish_problem(&t, r, status);
+    struct glint_error err = {0};
+    glint_fail(&err, GLINT_E_RANGE, "", "%s", detail);
+    cJSON *o = glint_problem_object(&err, r->url, r->id);
+    glint_error_finish(&err);
+    cJSON_ReplaceItemInObjectCaseSensitive(o, "type", cJSON_CreateString("about:blank"));
+    cJSON_ReplaceItemInObjectCaseSensitive(o, "title", cJSON_CreateString(title));
+    cJSON_ReplaceItemInObjectCaseSensitive(o, "status", cJSON_CreateNumber(status));
+    answer_problem(r, status, o ? cJSON_PrintUnformatted(o) : NULL);
+    cJSON_Delete(o);
 }

@@ -19,7 +19,7 @@ static cJSON *name_object(const char *name, uint32_t id, double coverage)
     snprintf(hex, sizeof hex, "%08x", id);
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "name", name);
-    cJSON_AddStringToObject(o, "id", hex);
+    cJSON_AddStringToObject(o, "hash", hex);
     cJSON_AddNumberToObject(o, "coverage", coverage);
     return o;
 }

@@ -183,6 +183,7 @@ struct glint_request *glint_request_create(glint_http *http, struct MHD_Connecti
     r->started = glint_now();
     r->head = !strcmp(method, "HEAD");
     r->body.fd = -1;
+    r->url = strdup(url);
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
     r->client = info && info->socket_context ? (uint64_t)(uintptr_t)info->socket_context : 0;
@@ -204,6 +205,7 @@ void glint_request_destroy(struct glint_request **request)
     if (r->response)
         MHD_destroy_response(r->response);
     glint_body_free(r);
+    free(r->url);
     free(r->path);
     free(r);
 }

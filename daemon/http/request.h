@@ -42,6 +42,7 @@ struct glint_request {
     char id[GLINT_REQUEST_ID_BYTES];
     bool head;
 
+    char *url;  // as it came, without the query; NULL without memory
     char *path; // cut into decoded segments
     char *segment[GLINT_MAX_SEGMENTS];
     size_t segments;

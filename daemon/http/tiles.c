@@ -1,8 +1,9 @@
 // tiles.c - GET /v1/jobs/{id}/tiles.
 //
-// A client's cursor is one number, the version of the last tile it was sent: versions come from
-// one counter of the render, so the tile whose version is the smallest above the cursor is always
-// the next, and versions that were superseded in between are never seen.
+// A client's cursor is one number, the sequence of the last tile it was sent. A tile's sequence is
+// version * tiles + index: versions come from one counter of the render, and the index tells apart
+// tiles that changed together. What is sent next is the smallest sequence above the cursor; those
+// that were superseded in between are never seen.
 #include "base/log.h"
 #include "http/answer.h"
 #include "http/resources.h"
@@ -22,19 +23,26 @@ struct tiles {
     uint64_t cursor;
 };
 
-// The next tile's index, or the number of tiles when none is new.
-static uint32_t next_tile(const glint_render *render, uint64_t cursor, uint64_t *version)
+static int by_value(const void *a, const void *b)
+{
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+// Sequences above the cursor, ascending; malloc'd, NULL without memory.
+static uint64_t *list_news(const glint_render *render, uint64_t cursor, size_t *count)
 {
     const uint32_t tiles = glint_render_tiles(render);
-    uint32_t best = tiles;
-    for (uint32_t t = 0; t < tiles; t++) {
-        const uint64_t v = glint_render_tile_version(render, t);
-        if (v > cursor && (best == tiles || v < *version)) {
-            best = t;
-            *version = v;
-        }
+    uint64_t *news = malloc((tiles + 1) * sizeof *news);
+    *count = 0;
+    for (uint32_t t = 0; news && t < tiles; t++) {
+        const uint64_t version = glint_render_tile_version(render, t);
+        if (version && version * tiles + t > cursor)
+            news[(*count)++] = version * tiles + t;
     }
-    return best;
+    if (news)
+        qsort(news, *count, sizeof *news, by_value);
+    return news;
 }
 
 static bool add_part(struct tiles *s, const struct glint_job_view *view, uint32_t tile,
@@ -75,21 +83,19 @@ static bool add_tile(struct tiles *s, const struct glint_job_view *view, uint32_
 // False: the stream ends.
 static bool add_tiles(struct tiles *s, const struct glint_job_view *view)
 {
-    while (s->stream.length < BATCH_BYTES) {
-        uint64_t version = 0;
-        const uint32_t tile = next_tile(view->render, s->cursor, &version);
-        if (tile == glint_render_tiles(view->render)) {
-            if (view->state < GLINT_JOB_DONE)
-                return true;
-            glint_stream_add(&s->stream, GLINT_MULTIPART_END, strlen(GLINT_MULTIPART_END));
-            return false;
-        }
+    size_t count, sent = 0;
+    uint64_t *news = list_news(view->render, s->cursor, &count);
+    bool more = news;
+    while (more && sent < count && s->stream.length < BATCH_BYTES) {
         // Not the version that is read: a newer one comes in its turn, after the tiles between.
-        s->cursor = version;
-        if (!add_tile(s, view, tile))
-            return false;
+        s->cursor = news[sent++];
+        more = add_tile(s, view, (uint32_t)(s->cursor % glint_render_tiles(view->render)));
     }
-    return true;
+    free(news);
+    if (!more || sent < count || view->state < GLINT_JOB_DONE)
+        return more;
+    glint_stream_add(&s->stream, GLINT_MULTIPART_END, strlen(GLINT_MULTIPART_END));
+    return false;
 }
 
 static bool fill(struct glint_stream *stream)

@@ -1,0 +1,190 @@
+"""Jobs: submitted, checked, rendered, cancelled, shared."""
+import threading
+
+import tap
+from daemon import ROOM, Daemon
+
+EXR_MAGIC = b"\x76\x2f\x31\x01"
+PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
+
+# (pointers of the faults, job)
+FAULTS = [
+    (["/scene"], {}),
+    (["/scene"], {"scene": 7}),
+    (["/scene"], {"scene": "attic"}),
+    (["/bounces"], {"scene": "room", "bounces": 3}),
+    (["/stop/sample"], {"scene": "room", "stop": {"sample": 3}}),
+    (["/stop/samples"], {"scene": "room", "stop": {"samples": 0}}),
+    (["/outputs/1"], {"scene": "room", "outputs": ["beauty", "smell"]}),
+    (["/resolution/0"], {"scene": "room", "resolution": [0, 64]}),
+    (["/resolution/1"], {"scene": "room", "resolution": [64, 16385]}),
+    (["/accuracy/gi"], {"scene": "room", "accuracy": {"gi": "surfel"}}),
+    (["/surfels"], {"scene": "room", "surfels": {"count": 8}}),
+    (["/camera"], {"scene": "room", "camera": "nobody"}),
+    (["/max_bounces", "/priority", "/scene"],
+     {"scene": "attic", "max_bounces": -1, "priority": 1000}),
+]
+
+
+def test_every_fault_of_a_job_is_named_in_one_answer():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        for pointers, job in FAULTS:
+            answer = daemon.post(job)
+            assert answer.status == 422, (job, answer.status, answer.body)
+            assert answer.pointers() == pointers, (job, answer.body)
+        for text in (b"", b"{", b"[1,2", b"{} {}", b'{"scene": "\xff"}', b'{"a": 1e999'):
+            answer = daemon.post(text)
+            assert answer.status == 400, (text, answer.status, answer.body)
+        assert daemon.get("/v1/jobs").json() == {"jobs": []}
+
+
+def test_a_job_is_rendered_and_described():
+    with Daemon() as daemon:
+        revision = daemon.put("room", ROOM).json()["revision"]
+        answer = daemon.post({"scene": "room", "resolution": [128, 96], "stop": {"samples": 32},
+                              "outputs": ["beauty", "depth", "normal", "crypto_object"]})
+        assert answer.status == 202
+        job = answer.json()["id"]
+        assert answer.headers["Location"] == f"/v1/jobs/{job}"
+        assert daemon.frame(job)[:4] == EXR_MAGIC
+        state = daemon.job(job)
+        assert (state["state"], state["samples"], state["progress"]) == ("done", 32, 1)
+        assert state["revision"] == revision and state["seconds"] > 0
+        assert [j["id"] for j in daemon.get("/v1/jobs").json()["jobs"]] == [job]
+        for output in ("beauty", "depth", "normal", "crypto_object"):
+            picture = daemon.get(f"/v1/jobs/{job}/frame.png?output={output}&exposure=-1.5")
+            assert picture.status == 200 and picture.body[:8] == PNG_MAGIC, output
+        assert daemon.get(f"/v1/jobs/{job}/frame.png?output=albedo").status == 422
+        assert daemon.get(f"/v1/jobs/{job}/frame.exr?outputs=albedo").status == 422
+        some = daemon.frame(job, "&outputs=depth")
+        assert len(some) < len(daemon.frame(job))
+        assert daemon.frame(job, "&layout=multipart") != daemon.frame(job)
+
+
+def test_a_finished_frame_is_one_thing_that_can_be_fetched_in_parts():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = daemon.submit(scene="room", stop={"samples": 4})
+        whole = daemon.get(f"/v1/jobs/{job}/frame.exr?wait=done")
+        etag = whole.headers["ETag"]
+        path = f"/v1/jobs/{job}/frame.exr"
+        assert daemon.get(path, {"If-None-Match": etag}).status == 304
+        part = daemon.get(path, {"Range": "bytes=10-19", "If-Range": etag})
+        assert part.status == 206 and part.body == whole.body[10:20]
+        assert part.headers["Content-Range"] == f"bytes 10-19/{len(whole.body)}"
+        assert part.headers["Repr-Digest"] == whole.headers["Repr-Digest"]
+        rest = daemon.get(path, {"Range": "bytes=-7"})
+        assert rest.body == whole.body[-7:]
+        assert daemon.get(path, {"Range": f"bytes={len(whole.body)}-"}).status == 416
+        assert daemon.get(path, {"Range": "bytes=1-2", "If-Range": '"x"'}).status == 200
+        head = daemon.ask("HEAD", path)
+        assert int(head.headers["Content-Length"]) == len(whole.body) and not head.body
+
+
+def test_the_same_job_gives_the_same_bytes_with_1_2_and_3_workers():
+    frames = []
+    for threads in (1, 2, 3):
+        with Daemon("--threads", str(threads)) as daemon:
+            daemon.put("room", ROOM)
+            job = daemon.submit(scene="room", stop={"samples": 48}, seed=7)
+            frames.append(daemon.frame(job))
+            again = daemon.submit(scene="room", stop={"samples": 48}, seed=7)
+            assert daemon.frame(again) == frames[-1]
+            other = daemon.submit(scene="room", stop={"samples": 48}, seed=8)
+            assert daemon.frame(other) != frames[-1]
+    assert frames[0] == frames[1] == frames[2]
+
+
+def test_a_cancelled_job_keeps_its_pixels_until_it_is_forgotten():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = daemon.submit(scene="room", stop={"samples": 1000000})
+        daemon.until(job, lambda j: j["samples"] > 0)
+        assert daemon.delete(f"/v1/jobs/{job}").status == 202
+        daemon.until(job, lambda j: j["state"] == "cancelled")
+        assert daemon.get(f"/v1/jobs/{job}/frame.exr").body[:4] == EXR_MAGIC
+        assert daemon.get(f"/v1/jobs/{job}/frame.exr?wait=done").status == 409
+        assert daemon.delete(f"/v1/jobs/{job}").status == 204
+        assert daemon.get(f"/v1/jobs/{job}").status == 404
+        assert daemon.get(f"/v1/jobs/{job}/frame.exr").status == 404
+
+
+def test_waiting_ends_when_the_job_is_cancelled():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = daemon.submit(scene="room", stop={"samples": 1000000})
+        answers = []
+        waiting = threading.Thread(target=lambda: answers.append(
+            daemon.get(f"/v1/jobs/{job}/frame.exr?wait=done")))
+        waiting.start()
+        daemon.until(job, lambda j: j["samples"] > 0)
+        assert not answers
+        daemon.delete(f"/v1/jobs/{job}")
+        waiting.join()
+        assert answers[0].status == 409
+
+
+def test_two_jobs_share_the_workers():
+    with Daemon("--threads", "2") as daemon:
+        daemon.put("room", ROOM)
+        jobs = [daemon.submit(scene="room", stop={"samples": 1000000}) for _ in range(2)]
+        for job in jobs:
+            daemon.until(job, lambda j: j["samples"] >= 16)
+        start = [daemon.job(job)["samples"] for job in jobs]
+        daemon.until(jobs[0], lambda j: j["samples"] >= start[0] + 256)
+        done = [daemon.job(job)["samples"] - s for job, s in zip(jobs, start)]
+        assert 0.5 < done[0] / done[1] < 2, done
+        for job in jobs:
+            daemon.delete(f"/v1/jobs/{job}")
+
+
+def test_a_repeated_submission_is_one_job():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        body = {"scene": "room", "resolution": [64, 64], "stop": {"samples": 1}}
+        key = {"Idempotency-Key": "farm-17-3"}
+        first, second = daemon.post(body, key), daemon.post(body, key)
+        assert first.status == second.status == 202
+        assert first.json()["id"] == second.json()["id"]
+        assert second.headers["Idempotent-Replayed"] == "true"
+        assert daemon.post({**body, "seed": 1}, key).status == 422
+        assert len(daemon.get("/v1/jobs").json()["jobs"]) == 1
+
+
+def test_the_plan_and_the_curve_are_told():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = daemon.submit(scene="room", stop={"samples": 16})
+        daemon.frame(job)
+        plan = daemon.get(f"/v1/jobs/{job}/plan").json()
+        assert all(effect["reason"] for effect in plan["effects"])
+        curve = daemon.get(f"/v1/jobs/{job}/convergence").json()["curve"]
+        assert [p["samples"] for p in curve] == sorted({p["samples"] for p in curve})
+        assert curve[-1]["samples"] <= 16 and curve[-1]["rays"] > 0
+
+
+def test_mattes_are_listed_drawn_and_picked():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = daemon.submit(scene="room", stop={"samples": 16})
+        daemon.frame(job)
+        layers = daemon.get(f"/v1/jobs/{job}/mattes").json()["layers"]
+        assert set(layers) == {"object", "material", "asset"}
+        seen = {n["name"]: n["coverage"] for n in layers["object"]["names"] if n["coverage"] > 0}
+        assert {"ball", "cube", "floor", "wall"} <= set(seen)
+        assert sum(seen.values()) <= 128 * 96 + 1e-3
+        path = f"/v1/jobs/{job}/matte"
+        assert daemon.get(f"{path}.png?name=ball").body[:8] == PNG_MAGIC
+        assert daemon.get(f"{path}.exr?layer=asset&name=toys").body[:4] == EXR_MAGIC
+        assert daemon.get(f"{path}.exr?name=ball&name=cube").status == 200
+        assert daemon.get(f"{path}.exr?name=nobody").status == 404
+        assert daemon.get(f"{path}.exr?name=ball&through=reflection").status == 422
+        assert daemon.get(f"{path}.exr?layer=object").status == 422
+        under = daemon.get(f"/v1/jobs/{job}/pick?x=64&y=90").json()["primary"]["object"]
+        assert under[0]["name"] == "floor" and abs(under[0]["coverage"] - 1) < 1e-3
+        assert daemon.get(f"/v1/jobs/{job}/pick?x=128&y=0").status == 422
+
+
+if __name__ == "__main__":
+    tap.main()

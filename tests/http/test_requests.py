@@ -1,0 +1,103 @@
+"""What a stranger may send: each request gets its status, and the daemon serves on."""
+import tap
+from daemon import Daemon
+
+END = b"Host: localhost\r\nConnection: close\r\n\r\n"
+
+# (statuses that will do, request). An empty answer (0) is a connection closed without a word.
+RAW = [
+    ({200}, b"GET /healthz HTTP/1.1\r\n" + END),
+    ({200}, b"GET /healthz HTTP/1.0\r\n\r\n"),
+    ({200}, b"GET / HTTP/1.1\r\n" + END),
+    ({404}, b"GET /../etc/passwd HTTP/1.1\r\n" + END),
+    ({404}, b"GET /v1/scenes/..%2f..%2fetc HTTP/1.1\r\n" + END),
+    ({404}, b"GET /v1/jobs/%F0%9F%8C%9E HTTP/1.1\r\n" + END),
+    ({400}, b"GET /v1/jobs/%80 HTTP/1.1\r\n" + END),
+    ({400}, b"GET /v1/jobs/a%00 HTTP/1.1\r\n" + END),
+    ({405}, b"POST /healthz HTTP/1.1\r\nContent-Length: 0\r\n" + END),
+    ({405}, b"OPTIONS /v1/jobs HTTP/1.1\r\n" + END),
+    ({411, 400, 0}, b"POST /v1/jobs HTTP/1.1\r\nTransfer-Encoding: gzip\r\n" + END),
+    ({400, 0}, b"POST /v1/jobs HTTP/1.1\r\nContent-Length: 99999999999999999999\r\n" + END),
+    ({400, 413, 0}, b"POST /v1/jobs HTTP/1.1\r\nContent-Length: 5, 5\r\n" + END),
+    ({413}, b"POST /v1/jobs HTTP/1.1\r\nContent-Type: application/json\r\n"
+            b"Content-Length: 1048577\r\n" + END),
+    ({413}, b"PUT /v1/scenes/a HTTP/1.1\r\nContent-Length: 3000000000\r\n" + END),
+    ({413}, b"PUT /v1/scenes/a HTTP/1.1\r\nContent-Length: 3000000000\r\n"
+            b"Expect: 100-continue\r\n" + END),
+    ({415}, b"POST /v1/jobs HTTP/1.1\r\nContent-Type: text/plain\r\nContent-Length: 2\r\n" + END
+     + b"{}"),
+    ({421}, b"GET /v1/jobs HTTP/1.1\r\nHost: attacker.example\r\nConnection: close\r\n\r\n"),
+    ({400, 0}, b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03\r\n\r\n"),
+    ({400, 0}, b"NONSENSE\r\n\r\n"),
+    ({400, 413, 431, 0}, b"GET /healthz HTTP/1.1\r\nA: " + b"x" * 200000 + b"\r\n" + END),
+    ({400, 414, 413, 431, 0}, b"GET /" + b"x" * 200000 + b" HTTP/1.1\r\n" + END),
+]
+
+
+def status(answer):
+    return int(answer.split(b" ", 2)[1]) if answer else 0
+
+
+def test_raw_requests_get_their_status_and_the_daemon_serves_on():
+    with Daemon() as daemon:
+        for allowed, request in RAW:
+            answer = daemon.raw(request)
+            assert status(answer) in allowed, (request[:80], answer[:300])
+        assert daemon.get("/healthz").status == 200
+
+
+def test_every_problem_names_itself_and_its_request():
+    with Daemon() as daemon:
+        answer = daemon.get("/v1/jobs/none", {"X-Request-Id": "shot-7"})
+        problem = answer.json()
+        assert answer.status == problem["status"] == 404
+        assert answer.headers["Content-Type"] == "application/problem+json"
+        assert answer.headers["X-Request-Id"] == problem["request_id"] == "shot-7"
+        assert problem["type"].startswith("/problems/") and problem["title"] and problem["detail"]
+        assert daemon.get("/v1/jobs/none").json()["request_id"] != "shot-7"
+
+
+def test_two_requests_in_one_packet_are_both_answered():
+    with Daemon() as daemon:
+        answer = daemon.raw(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
+                            b"GET /v1 HTTP/1.1\r\n" + END)
+        assert answer.count(b"HTTP/1.1 200 OK") == 2, answer
+
+
+def test_a_refused_body_is_not_taken_for_a_request():
+    with Daemon() as daemon:
+        hidden = b"GET /v1 HTTP/1.1\r\n" + END
+        for method in (b"POST /v1/jobs", b"PATCH /v1/jobs/x", b"DELETE /v1/jobs/x", b"GET /v1"):
+            answer = daemon.raw(method + b" HTTP/1.1\r\nHost: localhost\r\n"
+                                b"Content-Type: text/plain\r\nContent-Length: %d\r\n\r\n"
+                                % len(hidden) + hidden)
+            assert answer.count(b"HTTP/1.1 ") == 1, answer
+
+
+def test_the_service_pages_tell_what_they_should():
+    with Daemon() as daemon:
+        about = daemon.get("/v1").json()
+        assert about["devices"][0]["workers"] >= 1
+        assert {"beauty", "crypto_object"} <= set(about["outputs"])
+        assert [d["name"] for d in about["dials"]] and about["presets"][0]["name"] == "production"
+        assert daemon.get("/readyz").status == 200
+        assert b"/v1/jobs/{}/tiles" in daemon.get("/").body
+        with open(tap.source("protocol", "openapi.yaml"), "rb") as contract:
+            assert daemon.get("/openapi.yaml").body == contract.read()
+        head = daemon.ask("HEAD", "/openapi.yaml")
+        assert head.status == 200 and not head.body and int(head.headers["Content-Length"]) > 0
+
+
+def test_metrics_are_well_formed():
+    with Daemon() as daemon:
+        lines = daemon.get("/metrics").body.decode().splitlines()
+        kinds = [line.split()[2] for line in lines if line.startswith("# TYPE ")]
+        assert len(kinds) == len(set(kinds)) and all(k.startswith("glint_") for k in kinds)
+        for line in lines:
+            if not line.startswith("#"):
+                name, value = line.rsplit(" ", 1)
+                assert name.startswith("glint_") and float(value) >= 0, line
+
+
+if __name__ == "__main__":
+    tap.main()

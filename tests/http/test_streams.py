@@ -1,0 +1,143 @@
+"""Streams of tiles and events, with readers that are fast, slow, gone or late."""
+import signal
+import struct
+
+import tap
+from daemon import ROOM, Daemon
+
+SIZE = (256, 192)
+
+
+def submit(daemon, samples):
+    return daemon.submit(scene="room", resolution=SIZE, stop={"samples": samples})
+
+
+def rectangle(headers):
+    return tuple(map(int, headers["Glint-Tile"].split()))
+
+
+def windows(exr):
+    """dataWindow and displayWindow of a scanline EXR."""
+    found = {}
+    for name in (b"dataWindow", b"displayWindow"):
+        at = exr.index(name + b"\0box2i\0") + len(name) + 7
+        found[name] = struct.unpack("<4i", exr[at + 4:at + 20])
+    return found[b"dataWindow"], found[b"displayWindow"]
+
+
+def read_tiles(stream):
+    """{rectangle: (headers, body)} of the newest tiles, and how many came."""
+    newest, count, last = {}, 0, 0
+    for headers, body in stream.parts():
+        sequence = int(headers["Glint-Seq"])
+        assert sequence > last
+        newest[rectangle(headers)], count, last = (headers, body), count + 1, sequence
+    assert stream.ended
+    return newest, count, last
+
+
+def test_a_finished_job_streams_all_its_tiles_once():
+    with Daemon() as daemon:
+        revision = daemon.put("room", ROOM).json()["revision"]
+        job = submit(daemon, 4)
+        daemon.frame(job)
+        with daemon.connect(f"/v1/jobs/{job}/tiles") as stream:
+            newest, count, last = read_tiles(stream)
+        assert count == len(newest)
+        assert sum(w * h for _, _, w, h in newest) == SIZE[0] * SIZE[1]
+        for (x, y, w, h), (headers, body) in newest.items():
+            assert headers["Content-Type"] == "image/x-exr"
+            assert headers["Glint-Revision"] == revision and headers["Glint-Samples"] == "4"
+            assert windows(body) == ((x, y, x + w - 1, y + h - 1),
+                                     (0, 0, SIZE[0] - 1, SIZE[1] - 1))
+        with daemon.connect(f"/v1/jobs/{job}/tiles?since={last}") as stream:
+            assert not list(stream.parts()) and stream.ended
+
+
+def test_a_stream_from_the_start_ends_with_what_the_finished_job_has():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = submit(daemon, 32)
+        with daemon.connect(f"/v1/jobs/{job}/tiles") as stream:
+            live, _, _ = read_tiles(stream)
+        with daemon.connect(f"/v1/jobs/{job}/tiles") as stream:
+            final, _, _ = read_tiles(stream)
+        assert {r: t[1] for r, t in live.items()} == {r: t[1] for r, t in final.items()}
+
+
+def test_a_slow_reader_misses_versions_and_ends_with_the_newest():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = submit(daemon, 256)
+        with daemon.connect(f"/v1/jobs/{job}/tiles", receive_buffer=4096) as slow, \
+                daemon.connect(f"/v1/jobs/{job}/tiles") as fast:
+            quick, many, _ = read_tiles(fast)  # meanwhile nobody reads the slow one
+            late, few, _ = read_tiles(slow)
+        assert few < many, (few, many)
+        assert {r: t[1] for r, t in late.items()} == {r: t[1] for r, t in quick.items()}
+
+
+def test_readers_that_leave_are_noticed():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = submit(daemon, 1000000)
+        daemon.until(job, lambda j: j["samples"] > 0)
+        streams = [daemon.connect(f"/v1/jobs/{job}/{kind}") for kind in ("tiles", "events") * 4]
+        for number, stream in enumerate(streams):
+            if number % 3:
+                stream.line()
+            if number % 2:
+                stream.reset()
+            else:
+                stream.close()
+        daemon.wait_metric("glint_http_streams", 0)
+        daemon.delete(f"/v1/jobs/{job}")
+
+
+def test_events_tell_state_progress_and_the_end():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = submit(daemon, 512)
+        with daemon.connect(f"/v1/jobs/{job}/events") as stream:
+            assert stream.response.headers["Content-Type"] == "text/event-stream"
+            events = list(stream.events())
+            last = stream.last_id
+        names = [name for name, _ in events]
+        assert names[0] == "state" and names[-1] == "done" and "progress" in names
+        progress = [data["progress"] for name, data in events if name == "progress"]
+        assert progress == sorted(progress) and 0 <= progress[0] <= progress[-1] <= 1
+        assert events[-1][1]["state"] == "done" and events[-1][1]["id"] == job
+        path = f"/v1/jobs/{job}/events"
+        assert daemon.get(path, {"Last-Event-ID": last}).status == 204
+        with daemon.connect(path, {"Last-Event-ID": str(int(last) - 1)}) as stream:
+            assert [name for name, _ in stream.events()] == ["done"]
+        with daemon.connect(path, {"Last-Event-ID": "1"}) as stream:
+            assert [name for name, _ in stream.events()] == ["reset", "done"]
+
+
+def test_a_forgotten_job_ends_its_streams():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = submit(daemon, 1000000)
+        with daemon.connect(f"/v1/jobs/{job}/tiles") as stream:
+            daemon.delete(f"/v1/jobs/{job}")
+            list(stream.parts())
+        assert daemon.get(f"/v1/jobs/{job}").json()["state"] == "cancelled"
+
+
+def test_a_daemon_that_is_told_to_stop_ends_its_streams_and_leaves():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = submit(daemon, 1000000)
+        daemon.until(job, lambda j: j["samples"] > 0)
+        streams = [daemon.connect(f"/v1/jobs/{job}/{kind}") for kind in ("tiles", "events")]
+        daemon.process.send_signal(signal.SIGTERM)
+        for stream in streams:
+            while stream.response.read(65536):
+                pass
+            stream.close()
+        assert daemon.process.wait(60) == 0
+
+
+if __name__ == "__main__":
+    tap.main()
