@@ -34,7 +34,8 @@ UNIT_TESTS = \
 	tests/unit/test_queue \
 	tests/unit/test_range \
 	tests/unit/test_scene \
-	tests/unit/test_status
+	tests/unit/test_status \
+	tests/unit/test_store
 check_PROGRAMS += $(UNIT_TESTS)
 endif
 check_PROGRAMS += tests/render/write_frame tests/unit/import_dump
@@ -48,6 +49,8 @@ tests_unit_test_import_SOURCES = tests/unit/test_import.c tests/unit/glb_maker.c
 	tests/unit/glb_maker.h
 tests_unit_test_import_gltf_SOURCES = tests/unit/test_import_gltf.c tests/unit/glb_maker.c \
 	tests/unit/glb_maker.h
+tests_unit_test_store_SOURCES = tests/unit/test_store.c tests/unit/fake_scene.c \
+	tests/unit/fake_scene.h
 tests_clients_test_sse_LDADD = libglintcli.a $(LDADD)
 tests_clients_test_uri_LDADD = libglintcli.a $(LDADD)
 

@@ -67,8 +67,6 @@ static glint_status make_resident(glint_resident **out, glint_devices *devices,
     glint_status st =
         glint_scene_parse(&scene, import->text, import->length, import->asset, import->assets, err);
     if (!st)
-        st = glint_scene_complete(scene, err);
-    if (!st)
         st = glint_resident_create(out, devices, scene, free_import, import, err);
     if (st) {
         glint_scene_destroy(&scene);
@@ -212,7 +210,7 @@ static void add_warning(cJSON *warnings, const char *text)
 
 static void add_warnings(cJSON *resource, const glint_revision *r)
 {
-    // What the import completed is in its text, so that the parse need not warn; both are read.
+    // The import warns of what a file has and a scene has not, the parse of what it added.
     const struct glint_scene *scene = glint_resident_scene(r->resident);
     cJSON *warnings = cJSON_AddArrayToObject(resource, "warnings");
     for (size_t i = 0; warnings && i < r->import->warnings; i++)

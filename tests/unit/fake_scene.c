@@ -1,0 +1,165 @@
+#include "fake_scene.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct glint_resident {
+    atomic_int references;
+    struct glint_scene *scene;
+    void (*free_assets)(void *);
+    void *assets;
+    char revision[65];
+};
+
+static atomic_int residents, imports;
+static glint_status next_failure;
+static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+static pthread_cond_t changed = PTHREAD_COND_INITIALIZER;
+static bool held;
+static int waiting;
+
+void fake_scene_fail(glint_status status)
+{
+    next_failure = status;
+}
+
+int fake_scene_residents(void)
+{
+    return atomic_load(&residents);
+}
+
+int fake_scene_imports(void)
+{
+    return atomic_load(&imports);
+}
+
+void fake_scene_hold(bool hold)
+{
+    pthread_mutex_lock(&mutex);
+    held = hold;
+    pthread_cond_broadcast(&changed);
+    pthread_mutex_unlock(&mutex);
+}
+
+void fake_scene_waiting(void)
+{
+    pthread_mutex_lock(&mutex);
+    while (!waiting)
+        pthread_cond_wait(&changed, &mutex);
+    pthread_mutex_unlock(&mutex);
+}
+
+static void wait_while_held(void)
+{
+    pthread_mutex_lock(&mutex);
+    waiting++;
+    pthread_cond_broadcast(&changed);
+    while (held)
+        pthread_cond_wait(&changed, &mutex);
+    waiting--;
+    pthread_mutex_unlock(&mutex);
+}
+
+glint_status glint_import_run(glint_importer *importer, enum glint_scene_type type,
+                              const uint8_t *bytes, size_t size,
+                              const struct glint_import_limits *limits, struct glint_import **out,
+                              struct glint_error *err)
+{
+    (void)importer;
+    (void)type;
+    (void)limits;
+    wait_while_held();
+    *out = NULL;
+    if (size >= 3 && !memcmp(bytes, "bad", 3))
+        return glint_fail(err, GLINT_E_SYNTAX, "", "the file is bad");
+    *out = calloc(1, sizeof **out);
+    (*out)->text = malloc(size + 1);
+    memcpy((*out)->text, bytes, size);
+    (*out)->text[size] = '\0';
+    (*out)->length = size;
+    (*out)->seconds = 0.25;
+    atomic_fetch_add(&imports, 1);
+    return GLINT_OK;
+}
+
+void glint_import_destroy(struct glint_import **import)
+{
+    if (*import) {
+        free((*import)->text);
+        atomic_fetch_sub(&imports, 1);
+    }
+    free(*import);
+    *import = NULL;
+}
+
+glint_status glint_resident_create(glint_resident **out, glint_devices *devices,
+                                   struct glint_scene *scene, void (*free_assets)(void *),
+                                   void *assets, struct glint_error *err)
+{
+    (void)devices;
+    *out = NULL;
+    if (next_failure) {
+        const glint_status status = next_failure;
+        next_failure = GLINT_OK;
+        return glint_fail(err, status, "", "the scene does not fit");
+    }
+    *out = calloc(1, sizeof **out);
+    atomic_init(&(*out)->references, 1);
+    (*out)->scene = scene;
+    (*out)->free_assets = free_assets;
+    (*out)->assets = assets;
+    atomic_fetch_add(&residents, 1);
+    return GLINT_OK;
+}
+
+glint_resident *glint_resident_retain(glint_resident *resident)
+{
+    atomic_fetch_add(&resident->references, 1);
+    return resident;
+}
+
+void glint_resident_release(glint_resident **resident)
+{
+    glint_resident *r = *resident;
+    *resident = NULL;
+    if (!r || atomic_fetch_sub(&r->references, 1) != 1)
+        return;
+    glint_scene_destroy(&r->scene);
+    r->free_assets(r->assets);
+    free(r);
+    atomic_fetch_sub(&residents, 1);
+}
+
+const struct glint_scene *glint_resident_scene(const glint_resident *resident)
+{
+    return resident->scene;
+}
+
+void glint_resident_set_revision(glint_resident *resident, const char *revision)
+{
+    strcpy(resident->revision, revision);
+}
+
+void glint_resident_stats(const glint_resident *resident, struct glint_resident_stats *out)
+{
+    (void)resident;
+    *out = (struct glint_resident_stats){.triangles = 12,
+                                         .instanced_triangles = 24,
+                                         .geometry_bytes = 1000,
+                                         .bvh_bytes = 200,
+                                         .record_bytes = 150,
+                                         .texture_bytes = 100,
+                                         .light_bytes = 50,
+                                         .bvh_seconds = 0.5,
+                                         .lights = 1,
+                                         .dropped = 2};
+}
+
+const struct glint_scene_facts *glint_resident_facts(const glint_resident *resident)
+{
+    (void)resident;
+    static const struct glint_scene_facts facts = {.transmission = true};
+    return &facts;
+}
