@@ -13,6 +13,7 @@ UNIT_TESTS = \
 	tests/kernel/test_math \
 	tests/kernel/test_matte \
 	tests/kernel/test_sampler \
+	tests/render/test_effects \
 	tests/unit/test_arena \
 	tests/unit/test_cryptomatte \
 	tests/unit/test_data_uri \
@@ -38,7 +39,10 @@ UNIT_TESTS = \
 	tests/unit/test_store
 check_PROGRAMS += $(UNIT_TESTS)
 endif
-check_PROGRAMS += tests/render/write_frame tests/unit/import_dump
+check_PROGRAMS += tests/render/render_file tests/render/write_frame tests/unit/import_dump
+offline = tests/render/offline.c tests/render/offline.h
+tests_render_render_file_SOURCES = tests/render/render_file.c $(offline)
+tests_render_test_effects_SOURCES = tests/render/test_effects.c $(offline)
 tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
 
 # Measurements: built and run by name.

@@ -1,0 +1,35 @@
+// offline.h - scenes and renders without a daemon, for tests and benches. Any failure is printed and
+// ends the program.
+#ifndef GLINT_TESTS_OFFLINE_H
+#define GLINT_TESTS_OFFLINE_H
+
+#include "render/internal.h"
+#include "scene/import.h"
+
+// Importer and devices, forked and created in the right order. threads 0: one per core.
+struct offline {
+    glint_importer *importer;
+    glint_devices *devices;
+};
+void offline_start(struct offline *o, uint32_t threads);
+void offline_finish(struct offline *o);
+
+// Prints every fault and exits.
+void offline_die(const char *what, const struct glint_error *err);
+
+uint8_t *offline_read_file(const char *path, size_t *size);
+
+// A resident scene from a .glb or native .json file, or from native text.
+glint_resident *offline_load(const struct offline *o, const char *path);
+glint_resident *offline_load_text(const struct offline *o, const char *text);
+
+// A job from JSON text; its "scene" member is not looked at.
+struct glint_job *offline_job(const char *text);
+
+// Runs all workers until the render is complete.
+void offline_render(const struct offline *o, glint_render *render);
+
+// The frame of a text scene and job, rendered with effects forced on.
+struct glint_frame *offline_frame(const struct offline *o, glint_resident *scene, const char *job, uint64_t force);
+
+#endif
