@@ -32,3 +32,16 @@ libglintcli_a_CPPFLAGS = $(AM_CPPFLAGS) -DGLINT_LIBEXECDIR='"$(pkglibexecdir)"'
 bin_PROGRAMS += glint
 glint_SOURCES = clients/cli/main.c
 glint_LDADD = $(CLI_LIBS)
+
+bin_PROGRAMS += glint-demo-scene
+glint_demo_scene_SOURCES = \
+	clients/demo/compose.h \
+	clients/demo/dice.h \
+	clients/demo/document.c clients/demo/document.h \
+	clients/demo/light.c \
+	clients/demo/main.c \
+	clients/demo/palette.c clients/demo/palette.h \
+	clients/demo/shapes.c clients/demo/shapes.h \
+	clients/demo/shelves.c \
+	clients/demo/still_life.c
+glint_demo_scene_LDADD = $(CJSON_LIBS) -lm

@@ -35,6 +35,7 @@ UNIT_TESTS = \
 	tests/unit/test_queue \
 	tests/unit/test_range \
 	tests/unit/test_scene \
+	tests/unit/test_schema \
 	tests/unit/test_status \
 	tests/unit/test_store
 check_PROGRAMS += $(UNIT_TESTS)
@@ -63,6 +64,7 @@ SCRIPT_TESTS = \
 	tests/clients/cli_pack.py \
 	tests/clients/cli_render.py \
 	tests/clients/cli_usage.py \
+	tests/clients/demo_scene.py \
 	tests/render/test_exr_readers.py \
 	tests/unit/headers.sh \
 	tests/unit/import_corpora.py \
