@@ -155,7 +155,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/store.c \
 	daemon/scene/store.h \
 	daemon/scene/textures.c
-nodist_libglintdaemon_a_SOURCES = kernels/embedded.c
+nodist_libglintdaemon_a_SOURCES = kernels/embedded.c protocol/contract.c
 
 if HAVE_GLINTD
 bin_PROGRAMS += glintd

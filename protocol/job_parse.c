@@ -34,7 +34,7 @@ static void read_camera(const struct glint_json *at, struct glint_job *job)
         job->has_camera = true;
         glint_camera_read(at, "camera", &job->arena, &job->camera);
     } else if (at->value && !cJSON_IsString(at->value)) {
-        glint_json_fault(at, "the id of one of the scene's cameras, or a camera, is expected");
+        glint_json_fault(at, "the name of one of the scene's cameras, or a camera, is expected");
     } else {
         glint_json_string(at, &job->arena, &job->camera_name);
     }

@@ -55,3 +55,23 @@ libglint_a_SOURCES = \
 	protocol/text.h \
 	protocol/utf8.c \
 	protocol/utf8.h
+
+# The contract is served whole: what openapi.yaml takes from schema/ is put in its place.
+contract_sources = \
+	protocol/openapi.yaml \
+	protocol/schema/job.json \
+	protocol/schema/scene.json
+EXTRA_DIST += build-aux/bundle.awk $(contract_sources) \
+	protocol/examples/job.json protocol/examples/scene.json
+
+protocol/contract.c: $(contract_sources) build-aux/bundle.awk build-aux/embed.awk
+	$(AM_V_GEN)$(MKDIR_P) protocol
+	$(AM_V_at)$(AWK) -f $(top_srcdir)/build-aux/bundle.awk \
+	  $(top_srcdir)/protocol/openapi.yaml >$@.yaml
+	$(AM_V_at)( echo '#include "http/contract.h"'; \
+	  ( echo 'file openapi.yaml'; od -An -v -tu1 $@.yaml ) | \
+	  $(AWK) -f $(top_srcdir)/build-aux/embed.awk | \
+	  $(SED) 's/glint_sources/glint_contract/' ) >$@.t
+	$(AM_V_at)rm -f $@.yaml && mv $@.t $@
+
+CLEANFILES += protocol/contract.c
