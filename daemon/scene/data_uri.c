@@ -24,7 +24,8 @@ static int sextet(char c)
 // Returns false at a character that is not base64; out has room for 3 bytes per 4 characters.
 static bool base64(const char *text, size_t length, uint8_t *out, size_t *size)
 {
-    while (length && text[length - 1] == '=' && (length + 3) / 4 * 4 - length < 2)
+    const size_t unpadded = length % 4 == 0 && length >= 4 ? length - 2 : length;
+    while (length > unpadded && text[length - 1] == '=')
         length--;
     if (length % 4 == 1)
         return false;

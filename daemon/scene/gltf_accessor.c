@@ -5,9 +5,12 @@
 #include "scene/gltf_file.h"
 
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
 #define MAX_COUNT 0x7fffffffu
+#define MAX_ZEROS (1u << 22) // elements that cost the file nothing
 
 static const char *const type_name[] = {"SCALAR", "VEC2", "VEC3", "VEC4",
                                         "MAT2",   "MAT3", "MAT4", NULL};
@@ -60,6 +63,8 @@ static bool fits(struct glint_gltf *g, const struct glint_json *at, uint32_t vie
     if (!glint_json_uint(&member, 0, UINT32_MAX, &from))
         return false;
     const size_t size = g->view[view].data.size;
+    if (!g->view[view].data.bytes)
+        return glint_json_fault(at, "buffer view %u has no data", view);
     const size_t needs = (size_t)(count - 1) * stride + bytes;
     if (from > size || needs > size - from)
         return glint_json_fault(at, "%u elements need %zu bytes from byte %u of a view of %zu",
@@ -100,7 +105,7 @@ static bool read_sparse(struct glint_gltf *g, const struct glint_json *accessor,
 bool glint_gltf_accessor_read(struct glint_gltf *g, uint32_t index, struct glint_gltf_accessor *out)
 {
     const struct glint_json at = glint_gltf_item(g, GLTF_ACCESSORS, index);
-    struct glint_gltf_accessor a = {.view = GLINT_NONE};
+    struct glint_gltf_accessor a = {.number = index, .view = GLINT_NONE};
     if (!read_shape(&at, &a))
         return false;
     const bool has_view = glint_json_member(&at, "bufferView").value != NULL;
@@ -117,8 +122,8 @@ bool glint_gltf_accessor_read(struct glint_gltf *g, uint32_t index, struct glint
         return false;
     if (!read_sparse(g, &at, &a))
         return false;
-    if (!has_view && !a.sparse)
-        return glint_json_fault(&at, "the accessor has no data");
+    if (!has_view && a.count > MAX_ZEROS)
+        return glint_json_fault(&at, "the accessor has no data for %u elements", a.count);
     *out = a;
     return true;
 }
@@ -151,17 +156,28 @@ static float float_at(const uint8_t *p, uint32_t type, bool normalized)
     }
 }
 
+bool glint_gltf_accessor_fault(struct glint_gltf *g, const struct glint_gltf_accessor *a,
+                               const char *format, ...)
+{
+    char pointer[32], detail[320];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(detail, sizeof detail, format, args);
+    va_end(args);
+    snprintf(pointer, sizeof pointer, "/accessors/%u", a->number);
+    glint_fail(g->err, GLINT_E_RANGE, pointer, "%s", detail);
+    return false;
+}
+
 // The next of the elements that sparse values replace, checked.
 static bool sparse_target(struct glint_gltf *g, const struct glint_gltf_accessor *a, uint32_t k,
                           uint32_t *target)
 {
     *target = unsigned_at(a->sparse_index + (size_t)k * component_bytes(a->sparse_type),
                           a->sparse_type);
-    if (*target < a->count)
-        return true;
-    glint_fail(g->err, GLINT_E_RANGE, "/accessors", "a sparse index is %u of %u elements", *target,
-               a->count);
-    return false;
+    return *target < a->count ||
+           glint_gltf_accessor_fault(g, a, "sparse index %u is %u; there are %u elements", k,
+                                     *target, a->count);
 }
 
 static void element_floats(const struct glint_gltf_accessor *a, const uint8_t *from, float *out)

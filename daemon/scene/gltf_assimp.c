@@ -156,12 +156,10 @@ static bool check_indices(struct batch *b)
             continue;
         }
         for (uint32_t k = 0; k < b->part[i].accessor->count; k++)
-            if (index[k] >= vertices) {
-                glint_fail(b->g->err, GLINT_E_RANGE, "/accessors",
-                           "index %u of a mesh is %u, but it has %u vertices", k, index[k],
-                           vertices);
-                return false;
-            }
+            if (index[k] >= vertices)
+                return glint_gltf_accessor_fault(b->g, b->part[i].accessor,
+                                                 "index %u is %u, but there are %u vertices", k,
+                                                 index[k], vertices);
     }
     return true;
 }
@@ -234,7 +232,7 @@ static bool take_mesh(struct batch *b, const struct aiMesh *from)
         return glint_gltf_nomem(b->g);
     if (!m->triangles)
         return false;
-    glint_gltf_clean_mesh(b->g, i, b->geometry[i].name);
+    glint_gltf_clean_mesh(b->g, i, &b->geometry[i]);
     return true;
 }
 

@@ -6,15 +6,15 @@
 #include <stdio.h>
 
 // The binary chunk of a GLB is buffer 0 where that has no URI; it may be padded to a multiple of 4.
+// A buffer may have no data at all, for an extension to fill: a fault only for who reads from it.
 static struct glint_gltf_span find_buffer(struct glint_gltf *g, uint32_t i,
                                           const struct glint_json *at)
 {
     const struct glint_json uri = glint_json_member(at, "uri");
     struct glint_gltf_span data = {0};
     if (!uri.value) {
-        if (i == 0 && g->bin.bytes)
+        if (i == 0)
             return g->bin;
-        glint_json_fault(at, "the buffer has no data: no URI and no binary chunk");
     } else if (!cJSON_IsString(uri.value)) {
         glint_json_fault(&uri, "a string is expected");
     } else if (!glint_data_uri_is(uri.value->valuestring)) {
@@ -62,7 +62,7 @@ static void read_view(struct glint_gltf *g, uint32_t i)
         return;
     const struct glint_gltf_span *b = &g->buffer[buffer];
     if (!b->bytes)
-        return; // its own fault
+        return; // no data to point into
     if (from > b->size || bytes > b->size - from)
         glint_json_fault(&length, "bytes %u to %llu of a buffer of %zu", from,
                          (unsigned long long)from + bytes, b->size);

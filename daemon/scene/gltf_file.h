@@ -47,7 +47,7 @@ struct glint_gltf_span {
 };
 
 struct glint_gltf_view {
-    struct glint_gltf_span data;
+    struct glint_gltf_span data; // bytes NULL: its buffer has none
     uint32_t stride; // 0: not given
 };
 
@@ -128,6 +128,7 @@ void glint_gltf_notes_end(struct glint_gltf *g);
 
 // --- gltf_accessor.c
 struct glint_gltf_accessor {
+    uint32_t number; // in the file
     uint32_t count, components, type; // type: componentType
     bool normalized;
     uint32_t view; // GLINT_NONE: zeros
@@ -147,6 +148,9 @@ bool glint_gltf_accessor_read(struct glint_gltf *g, uint32_t index,
 // components.
 bool glint_gltf_accessor_floats(struct glint_gltf *g, const struct glint_gltf_accessor *a,
                                 float *out);
+// Appends a GLINT_E_RANGE fault at the accessor; returns false.
+bool glint_gltf_accessor_fault(struct glint_gltf *g, const struct glint_gltf_accessor *a,
+                               const char *format, ...) __attribute__((format(printf, 3, 4)));
 // All elements of a scalar unsigned accessor.
 bool glint_gltf_accessor_indices(struct glint_gltf *g, const struct glint_gltf_accessor *a,
                                  uint32_t *out);
@@ -184,7 +188,8 @@ void glint_gltf_assemble(struct glint_gltf *g, const struct glint_gltf_geometry 
                          uint32_t first, uint32_t count);
 // Makes normals unit, tangents and texture coordinates finite; a fault where a position is not.
 // Fills g->reach.
-void glint_gltf_clean_mesh(struct glint_gltf *g, uint32_t mesh, const char *name);
+void glint_gltf_clean_mesh(struct glint_gltf *g, uint32_t mesh,
+                           const struct glint_gltf_geometry *geometry);
 
 // --- gltf_lights.c, gltf_cameras.c
 void glint_gltf_read_lights(struct glint_gltf *g);

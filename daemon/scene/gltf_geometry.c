@@ -39,18 +39,17 @@ static bool normalise(float v[3])
 }
 
 static bool check_positions(struct glint_gltf *g, const struct glint_mesh *m, float *reach,
-                            const char *name)
+                            const struct glint_gltf_geometry *geometry)
 {
     *reach = 0;
-    for (size_t i = 0; i < (size_t)m->vertices * 3; i++)
-        if (!(fabsf(m->position[i]) <= GLINT_MAX_COORDINATE)) {
-            glint_fail(g->err, GLINT_E_RANGE, "/meshes",
-                       "vertex %zu of mesh \"%.200s\" has the coordinate %g", i / 3, name,
-                       (double)m->position[i]);
-            return false;
-        } else {
-            *reach = fmaxf(*reach, fabsf(m->position[i]));
-        }
+    for (size_t i = 0; i < (size_t)m->vertices * 3; i++) {
+        const float size = fabsf(m->position[i]);
+        if (!(size <= GLINT_MAX_COORDINATE))
+            return glint_gltf_accessor_fault(g, &geometry->part[GLTF_POSITION],
+                                             "vertex %zu of mesh \"%.200s\" has the coordinate %g",
+                                             i / 3, geometry->name, (double)m->position[i]);
+        *reach = size > *reach ? size : *reach;
+    }
     return true;
 }
 
@@ -132,10 +131,12 @@ static void clean_uvs(struct glint_gltf *g, struct glint_mesh *m, const char *na
                         "some texture coordinates of mesh \"%.200s\" are not finite; 0 is used", name);
 }
 
-void glint_gltf_clean_mesh(struct glint_gltf *g, uint32_t mesh, const char *name)
+void glint_gltf_clean_mesh(struct glint_gltf *g, uint32_t mesh,
+                           const struct glint_gltf_geometry *geometry)
 {
     struct glint_mesh *m = &g->scene->mesh[mesh];
-    if (!check_positions(g, m, &g->reach[mesh], name))
+    const char *name = geometry->name;
+    if (!check_positions(g, m, &g->reach[mesh], geometry))
         return;
     if (m->normal)
         clean_normals(g, m, name);

@@ -57,6 +57,8 @@ static bool decode_image(struct glint_gltf *g, uint32_t i, struct glint_pixels *
     const uint32_t view = glint_gltf_index(g, &at, "bufferView", GLTF_VIEWS);
     if (view == GLINT_NONE)
         return glint_json_fault(&at, "the image has no data: neither uri nor bufferView");
+    if (!g->view[view].data.bytes)
+        return glint_json_fault(&at, "buffer view %u has no data", view);
     return decode(g, i, g->view[view].data.bytes, g->view[view].data.size, out);
 }
 

@@ -160,8 +160,10 @@ static glint_status explain(const struct glint_import_reply *r,
     if (r->signal)
         return glint_fail(err, GLINT_E_RANGE, "", "the import crashed on this file (%s)",
                           strsignal(r->signal));
-    return glint_fail(err, GLINT_E_INTERNAL, "", "the import could not be confined (exit code %d)",
-                      r->code);
+    if (r->code != GLINT_CHILD_NOT_CONFINED)
+        return glint_fail(err, GLINT_E_RANGE, "", "the import crashed on this file (exit code %d)",
+                          r->code);
+    return glint_fail(err, GLINT_E_INTERNAL, "", "the import could not be confined");
 }
 
 static glint_status exchange(glint_importer *im, const struct glint_import_request *request,

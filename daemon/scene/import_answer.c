@@ -154,6 +154,8 @@ static char *string_at(const struct answer *a, struct span s)
 static bool read_faults(const struct answer *a, struct glint_error *err)
 {
     const glint_status status = (glint_status)a->header.status;
+    if (!a->header.faults) // there was no memory to say more
+        glint_fail(err, status, "", "%s", glint_status_title(status));
     for (uint32_t i = 0; i < a->header.faults; i++) {
         struct fault_row row;
         memcpy(&row, a->base + sizeof a->header + i * sizeof row, sizeof row);
@@ -211,7 +213,7 @@ static bool read_header(struct answer *a)
     memcpy(&a->header, a->base, sizeof a->header);
     const struct header *h = &a->header;
     return h->magic == MAGIC && h->status < GLINT_STATUS_COUNT && tables_end(h) <= a->size &&
-           h->faults <= GLINT_MAX_FAULTS + 1 && (h->status == GLINT_OK) == (h->faults == 0);
+           h->faults <= GLINT_MAX_FAULTS && (h->status != GLINT_OK || h->faults == 0);
 }
 
 static glint_status broken(struct glint_error *err)

@@ -168,17 +168,24 @@ static void serve(struct helper *h)
         take_request(h);
 }
 
-// The terminal's and the service manager's signals reach the whole group; this process ends when
-// the daemon closes its socket, so that a draining daemon can finish an import.
-static void detach(void)
+// Handlers of the daemon have no business here: a crash must end a child. The terminal's and the
+// service manager's signals reach the whole group; this process ends when the daemon closes its
+// socket, so that a draining daemon can finish an import.
+static void reset_signals(void)
 {
+    static const int ignored[] = {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGPIPE};
     sigset_t none;
-    sigemptyset(&none);
-    sigprocmask(SIG_SETMASK, &none, NULL);
-    const int ignored[] = {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGPIPE};
+    for (int i = 1; i < NSIG; i++)
+        signal(i, SIG_DFL);
     for (size_t i = 0; i < sizeof ignored / sizeof *ignored; i++)
         signal(ignored[i], SIG_IGN);
-    signal(SIGCHLD, SIG_DFL);
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, NULL);
+}
+
+static void detach(void)
+{
+    reset_signals();
     const int null = open("/dev/null", O_RDWR);
     if (null >= 0) {
         dup2(null, 0);
