@@ -47,7 +47,11 @@ tests_render_test_effects_SOURCES = tests/render/test_effects.c $(offline)
 tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
 
 # Measurements: built and run by name.
-EXTRA_PROGRAMS += tests/bench/exr_tile
+EXTRA_PROGRAMS += tests/bench/embree_share tests/bench/exr_tile
+tests_bench_embree_share_SOURCES = tests/bench/embree_share.c tests/bench/bench.c \
+	tests/bench/bench.h $(offline)
+tests_bench_embree_share_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_geometry_trace_wave \
+	-Wl,--wrap=glint_geometry_shadow_wave
 tests_bench_exr_tile_LDADD = $(PROTOCOL_LIBS)
 
 tests_unit_test_import_SOURCES = tests/unit/test_import.c tests/unit/glb_maker.c \
@@ -71,7 +75,7 @@ SCRIPT_TESTS = \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(SCRIPT_TESTS)
-dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/bench/run tests/bench/vectorised
 dist_check_DATA += tests/clients/cli.py tests/clients/fake_daemon.py \
 	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/surface.h \
 	tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/tap.py

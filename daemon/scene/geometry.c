@@ -175,6 +175,11 @@ uint64_t glint_geometry_bytes(const glint_geometry *g)
     return bytes > 0 ? (uint64_t)bytes : 0;
 }
 
+void *glint_geometry_native(const glint_geometry *g)
+{
+    return g->scene;
+}
+
 #define COLUMN(k) (wave + (size_t)(k)*stride)
 #define COLUMN_U32(k) ((uint32_t *)COLUMN(k))
 

@@ -46,6 +46,9 @@ glint_status glint_geometry_commit(glint_geometry *g, struct glint_error *err);
 // Memory that the builder and its structures hold.
 uint64_t glint_geometry_bytes(const glint_geometry *g);
 
+// The RTCScene, for benches that trace it without us.
+void *glint_geometry_native(const glint_geometry *g);
+
 // Traces rows [0, n) of a wave's columns (kernels/gk_wave.h) in place: closest hits, or for shadow
 // rays occlusion (distance becomes -inf). Rows with a negative distance are left alone.
 void glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n);
