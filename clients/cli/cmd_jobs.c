@@ -10,13 +10,14 @@ static const struct glint_column row[] = {
     {"JOB", "id", GLINT_COLUMN_TEXT},          {"STATE", "state", GLINT_COLUMN_TEXT},
     {"DONE", "progress", GLINT_COLUMN_PERCENT}, {"SAMPLES", "samples", GLINT_COLUMN_TEXT},
     {"ERROR", "error", GLINT_COLUMN_NUMBER},   {"TIME", "seconds", GLINT_COLUMN_SECONDS},
-    {"SCENE", "scene", GLINT_COLUMN_TEXT},     {"NAME", "job/name", GLINT_COLUMN_TEXT},
+    {"SCENE", "scene", GLINT_COLUMN_TEXT},     {"NAME", "name", GLINT_COLUMN_TEXT},
     {0},
 };
 
 static const struct glint_column one[] = {
     {"job", "id", GLINT_COLUMN_TEXT},
     {"state", "state", GLINT_COLUMN_TEXT},
+    {"name", "name", GLINT_COLUMN_TEXT},
     {"scene", "scene", GLINT_COLUMN_TEXT},
     {"revision", "revision", GLINT_COLUMN_TEXT},
     {"progress", "progress", GLINT_COLUMN_PERCENT},

@@ -22,16 +22,32 @@ static bool is_layer(const char *name)
     return strcmp(name, "object") == 0 || strcmp(name, "material") == 0 || strcmp(name, "asset") == 0;
 }
 
-// The daemon lists every name of the scene; people want those that are in the picture.
+static double coverage(const void *name)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(*(const cJSON *const *)name, "coverage");
+    return cJSON_IsNumber(item) ? item->valuedouble : 0;
+}
+
+static int by_coverage(const void *a, const void *b)
+{
+    return (coverage(a) < coverage(b)) - (coverage(a) > coverage(b));
+}
+
+// The daemon lists every name of the scene; people want those that are in the picture, the largest
+// first. The list refers to `names`.
 static cJSON *seen(const cJSON *names)
 {
     cJSON *list = cJSON_CreateArray();
-    const cJSON *name;
-    cJSON_ArrayForEach(name, names) {
-        const cJSON *coverage = cJSON_GetObjectItemCaseSensitive(name, "coverage");
-        if (cJSON_IsNumber(coverage) && coverage->valuedouble > 0)
-            cJSON_AddItemReferenceToArray(list, (cJSON *)(uintptr_t)name);
-    }
+    const cJSON **order = calloc((size_t)cJSON_GetArraySize(names) + 1, sizeof *order), *name;
+    size_t count = 0;
+    cJSON_ArrayForEach(name, names)
+        if (order && coverage(&name) > 0)
+            order[count++] = name;
+    if (order)
+        qsort(order, count, sizeof *order, by_coverage);
+    for (size_t i = 0; i < count; i++)
+        cJSON_AddItemReferenceToArray(list, (cJSON *)(uintptr_t)order[i]);
+    free(order);
     return list;
 }
 
@@ -39,13 +55,11 @@ static void print_layers(const cJSON *layers, const char *wanted)
 {
     const cJSON *layer;
     cJSON_ArrayForEach(layer, layers) {
-        const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(layer, "layer"));
-        name = name ? name : layer->string;
-        if (wanted && name && strcmp(name, wanted) != 0)
+        if (wanted && strcmp(layer->string, wanted) != 0)
             continue;
-        printf("%s:\n", name ? name : "-");
-        const cJSON *names = cJSON_GetObjectItemCaseSensitive(layer, "names");
-        cJSON *list = seen(names ? names : layer);
+        cJSON *list = seen(cJSON_GetObjectItemCaseSensitive(layer, "names"));
+        glint_print_plain(stdout, layer->string);
+        puts(":");
         glint_table_print(row, list);
         cJSON_Delete(list);
     }

@@ -8,7 +8,7 @@
 
 static const struct glint_column row[] = {
     {"NAME", "name", GLINT_COLUMN_TEXT},
-    {"REVISION", "revision", GLINT_COLUMN_TEXT},
+    {"REVISION", "revision", GLINT_COLUMN_HASH},
     {"TRIANGLES", "triangles", GLINT_COLUMN_TEXT},
     {"INSTANCES", "instances", GLINT_COLUMN_TEXT},
     {"MATERIALS", "materials", GLINT_COLUMN_TEXT},

@@ -56,7 +56,7 @@ static void update(struct follower *f, const cJSON *data)
     take_number(data, "error", &f->shown.error);
     take_number(data, "eta_seconds", &f->shown.eta_seconds);
     take_count(data, "samples", &f->shown.samples);
-    take_count(data, "target_samples", &f->shown.target_samples);
+    take_count(member(member(data, "job"), "stop"), "samples", &f->shown.target_samples);
     glint_progress_show(&f->session->progress, &f->shown);
 }
 

@@ -45,7 +45,7 @@ static void format_cell(char *cell, const struct glint_column *c, const cJSON *r
 {
     const cJSON *item = find(row, c->member);
     if (cJSON_IsString(item) && item->valuestring[0])
-        snprintf(cell, CELL_BYTES, "%s", item->valuestring);
+        snprintf(cell, c->kind == GLINT_COLUMN_HASH ? 13 : CELL_BYTES, "%s", item->valuestring);
     else if (cJSON_IsBool(item))
         snprintf(cell, CELL_BYTES, "%s", cJSON_IsTrue(item) ? "yes" : "no");
     else if (cJSON_IsNumber(item))

@@ -6,6 +6,7 @@
 
 enum glint_column_kind {
     GLINT_COLUMN_TEXT,    // strings, and numbers and truth values as they are
+    GLINT_COLUMN_HASH,    // the first 12 digits
     GLINT_COLUMN_PERCENT, // of 0..1
     GLINT_COLUMN_BYTES,   // 12.3 MiB
     GLINT_COLUMN_SECONDS, // 12.3 s

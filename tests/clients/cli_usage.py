@@ -142,7 +142,7 @@ def test_names_in_paths_are_escaped():
 
 def test_lists_are_tables_and_with_json_what_the_daemon_said():
     jobs = {"jobs": [{"id": "j1", "state": "rendering", "progress": 0.25, "samples": 16,
-                      "error": 0.5, "seconds": 1.5, "scene": "a", "job": {"name": "shot"}},
+                      "error": 0.5, "seconds": 1.5, "scene": "a", "name": "shot"},
                      {"id": "j2", "state": "queued"}]}
     with FakeDaemon() as daemon:
         daemon.on("GET", "/v1/jobs", Answer(200, jobs))
@@ -151,6 +151,45 @@ def test_lists_are_tables_and_with_json_what_the_daemon_said():
         assert lines[1].split() == ["j1", "rendering", "25.0%", "16", "0.5", "1.5", "s", "a", "shot"]
         assert lines[2].split() == ["j2", "queued"] + ["-"] * 6
         assert json.loads(cli.glint("jobs", "--json", server=daemon.url).stdout) == jobs
+
+
+def test_mattes_lists_what_is_seen_the_largest_first():
+    names = [{"name": "small", "hash": "00000001", "coverage": 2.5},
+             {"name": "hidden", "hash": "00000002", "coverage": 0},
+             {"name": "two words", "hash": "00000003", "coverage": 1000}]
+    mattes = {"layers": {"object": {"names": names, "lost": 0}, "asset": {"names": []}}}
+    with FakeDaemon() as daemon:
+        daemon.on("GET", "/v1/jobs/j/mattes", Answer(200, mattes))
+        run = cli.glint("mattes", "--layer", "object", "j", server=daemon.url)
+        assert run.stdout == ("object:\n"
+                              "NAME       HASH      PIXELS\n"
+                              "two words  00000003  1000\n"
+                              "small      00000001  2.5\n")
+        assert cli.glint("mattes", "j", server=daemon.url).stdout == (
+            run.stdout + "asset:\nNAME  HASH  PIXELS\n")
+        assert json.loads(cli.glint("mattes", "--json", "j", server=daemon.url).stdout) == mattes
+
+
+def test_a_matte_is_the_union_of_the_names_given():
+    with FakeDaemon() as daemon, tempfile.TemporaryDirectory() as folder:
+        daemon.on("GET", "/v1/jobs/j/matte.png", Answer(200, b"a matte"))
+        out = os.path.join(folder, "m.png")
+        run = cli.glint("matte", "j", "--name", "a b", "--name", "c&d", "-o", out, server=daemon.url)
+        assert run.returncode == 0, run.stderr
+        assert daemon.requests[0].query == "layer=object&name=a%20b&name=c%26d"
+        with open(out, "rb") as file:
+            assert file.read() == b"a matte"
+
+
+def test_a_plan_shows_effects_and_passes():
+    plan = {"effects": [{"effect": "alpha mask", "on": False, "reason": "no material is masked",
+                         "bytes": 0}],
+            "passes": [{"pass": "shade", "seconds": 1.5, "share": 0.25}], "film_bytes": 2048}
+    with FakeDaemon() as daemon:
+        daemon.on("GET", "/v1/jobs/j/plan", Answer(200, plan))
+        shown = cli.glint("plan", "j", server=daemon.url).stdout
+        assert "alpha mask  no  -     0 B     no material is masked\n" in shown
+        assert "shade  25.0%  1.5 s\n" in shown and "film: 2.0 KiB\n" in shown
 
 
 def test_a_full_disk_behind_stdout_is_a_failure():
