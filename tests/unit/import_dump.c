@@ -70,8 +70,9 @@ static void print_line(struct glint_text *t)
     free(line);
 }
 
+// imported: it is the text that the import gave which does not parse.
 static void print_fault(const char *file, glint_status st, const struct glint_error *err,
-                        double seconds)
+                        double seconds, bool imported)
 {
     struct glint_text t = {0};
     glint_text_add(&t, "{");
@@ -81,6 +82,8 @@ static void print_fault(const char *file, glint_status st, const struct glint_er
     put_string(&t, "pointer", err->count ? err->fault[0].pointer : "");
     put_string(&t, "detail", glint_error_text(err));
     put_number(&t, "seconds", seconds);
+    glint_text_key(&t, "imported");
+    glint_text_add(&t, imported ? "true" : "false");
     print_line(&t);
 }
 
@@ -129,10 +132,11 @@ static void dump(glint_importer *importer, const struct options *o, const char *
     const double start = glint_now();
     glint_status st = glint_import_run(importer, o->type, bytes, size, &o->limits, &im, &err);
     const double run = glint_now() - start;
-    if (!st)
+    const bool imported = st == GLINT_OK;
+    if (imported)
         st = glint_scene_parse(&scene, im->text, im->length, im->asset, im->assets, &err);
     if (st)
-        print_fault(file, st, &err, run);
+        print_fault(file, st, &err, run, imported);
     else
         print_scene(file, im, scene, run, glint_now() - start - run);
     if (!st && o->verbose)
