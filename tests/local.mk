@@ -35,6 +35,7 @@ UNIT_TESTS = \
 	tests/unit/test_queue \
 	tests/unit/test_range \
 	tests/unit/test_scene \
+	tests/unit/test_scheduler \
 	tests/unit/test_schema \
 	tests/unit/test_status \
 	tests/unit/test_store
@@ -54,10 +55,15 @@ tests_bench_embree_share_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_geometry_trace
 	-Wl,--wrap=glint_geometry_shadow_wave
 tests_bench_exr_tile_LDADD = $(PROTOCOL_LIBS)
 
+# Jobs over stand-ins for renders and scenes.
+jobs_fixture = tests/unit/fake_render.c tests/unit/fake_render.h tests/unit/fake_scene.c \
+	tests/unit/fake_scene.h tests/unit/jobs_fixture.c tests/unit/jobs_fixture.h
+
 tests_unit_test_import_SOURCES = tests/unit/test_import.c tests/unit/glb_maker.c \
 	tests/unit/glb_maker.h
 tests_unit_test_import_gltf_SOURCES = tests/unit/test_import_gltf.c tests/unit/glb_maker.c \
 	tests/unit/glb_maker.h
+tests_unit_test_scheduler_SOURCES = tests/unit/test_scheduler.c $(jobs_fixture)
 tests_unit_test_store_SOURCES = tests/unit/test_store.c tests/unit/fake_scene.c \
 	tests/unit/fake_scene.h
 tests_clients_test_sse_LDADD = libglintcli.a $(LDADD)

@@ -1,6 +1,7 @@
 #include "jobs/describe.h"
 
 #include "base/clock.h"
+#include "protocol/problem.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -82,22 +83,6 @@ static void add_render(cJSON *object, const struct moment *m)
     add_rays(object, &r);
 }
 
-static void add_problem(cJSON *object, const struct glint_error *error)
-{
-    cJSON *problem = cJSON_AddObjectToObject(object, "problem");
-    cJSON_AddStringToObject(problem, "type", glint_status_problem(error->status));
-    cJSON_AddStringToObject(problem, "title", glint_status_title(error->status));
-    cJSON_AddNumberToObject(problem, "status", glint_status_http(error->status));
-    cJSON_AddStringToObject(problem, "detail", glint_error_text(error));
-    cJSON *errors = cJSON_AddArrayToObject(problem, "errors");
-    for (size_t i = 0; i < error->count; i++) {
-        cJSON *fault = cJSON_CreateObject();
-        cJSON_AddStringToObject(fault, "pointer", error->fault[i].pointer);
-        cJSON_AddStringToObject(fault, "detail", error->fault[i].detail);
-        cJSON_AddItemToArray(errors, fault);
-    }
-}
-
 // The job as submitted, with what a PATCH has changed since.
 static void add_job(cJSON *object, const struct glint_entry *e, const struct moment *m)
 {
@@ -129,7 +114,7 @@ cJSON *glint_entry_describe(struct glint_job_table *table, const struct glint_en
     add_render(object, &m);
     cJSON_AddStringToObject(object, "plan", plan);
     if (m.state == GLINT_JOB_FAILED) // from then on nobody changes the problem
-        add_problem(object, &e->problem);
+        cJSON_AddItemToObject(object, "problem", glint_problem_object(&e->problem, NULL, NULL));
     cJSON_AddItemToObject(object, "warnings", cJSON_Duplicate(e->warnings, true));
     cJSON_AddStringToObject(object, "created", e->created);
     add_job(object, e, &m);

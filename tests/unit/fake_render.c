@@ -1,0 +1,346 @@
+#include "fake_render.h"
+
+#include "base/clock.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define MAX_WORKERS 16
+#define MAX_SEED 8192
+#define MAX_BEGUN 65536
+
+struct glint_worker {
+    uint32_t index;
+    bool entered;
+};
+
+struct glint_devices {
+    uint32_t workers;
+    struct glint_worker worker[MAX_WORKERS];
+};
+
+enum block_state { BLOCK_FREE, BLOCK_TAKEN, BLOCK_RUN, BLOCK_BACK };
+
+struct glint_render {
+    struct glint_job job;
+    uint32_t sample, back; // the pass, its blocks given back
+    unsigned char *block;  // [width] enum block_state
+};
+
+// How the job with a seed behaves.
+struct behaviour {
+    bool fail_slice, stuck;
+    glint_status create_status;
+    unsigned create_failures;
+    double seconds;
+};
+
+static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+static pthread_cond_t changed = PTHREAD_COND_INITIALIZER;
+static struct glint_devices devices;
+static struct behaviour behaviour[MAX_SEED];
+static bool gate_closed, create_held;
+static unsigned let, creates_waiting;
+static uint32_t begun[MAX_BEGUN], creates;
+static size_t begins;
+static int renders, broken;
+
+static void lock(void)
+{
+    pthread_mutex_lock(&mutex);
+}
+
+static void unlock(void)
+{
+    pthread_cond_broadcast(&changed);
+    pthread_mutex_unlock(&mutex);
+}
+
+static void must(bool holds, const char *rule)
+{
+    if (holds)
+        return;
+    if (broken++ < 5) // one is enough, a thousand drown it
+        fprintf(stderr, "# broken: %s\n", rule);
+}
+
+glint_devices *fake_devices(uint32_t workers)
+{
+    devices = (struct glint_devices){.workers = workers};
+    for (uint32_t i = 0; i < workers; i++)
+        devices.worker[i].index = i;
+    return &devices;
+}
+
+void fake_reset(void)
+{
+    lock();
+    must(!renders, "a render outlives its test");
+    for (size_t i = 0; i < MAX_SEED; i++)
+        behaviour[i] = (struct behaviour){0};
+    gate_closed = create_held = false;
+    let = 0;
+    creates = 0;
+    begins = 0;
+    unlock();
+}
+
+void fake_close_gate(void)
+{
+    lock();
+    gate_closed = true;
+    unlock();
+}
+
+void fake_open_gate(void)
+{
+    lock();
+    gate_closed = false;
+    unlock();
+}
+
+void fake_let(unsigned slices)
+{
+    lock();
+    let += slices;
+    unlock();
+}
+
+void fake_hold_create(bool held)
+{
+    lock();
+    create_held = held;
+    unlock();
+}
+
+void fake_wait_create(void)
+{
+    lock();
+    while (!creates_waiting)
+        pthread_cond_wait(&changed, &mutex);
+    unlock();
+}
+
+void fake_fail_slice(uint32_t seed)
+{
+    lock();
+    behaviour[seed].fail_slice = true;
+    unlock();
+}
+
+void fake_fail_create(uint32_t seed, glint_status status, unsigned times)
+{
+    lock();
+    behaviour[seed].create_status = status;
+    behaviour[seed].create_failures = times;
+    unlock();
+}
+
+void fake_stick(uint32_t seed)
+{
+    lock();
+    behaviour[seed].stuck = true;
+    unlock();
+}
+
+void fake_slice_seconds(uint32_t seed, double seconds)
+{
+    lock();
+    behaviour[seed].seconds = seconds;
+    unlock();
+}
+
+void fake_begun(size_t count, uint32_t *seed)
+{
+    lock();
+    while (begins < count)
+        pthread_cond_wait(&changed, &mutex);
+    for (size_t i = 0; seed && i < count; i++)
+        seed[i] = begun[i];
+    unlock();
+}
+
+size_t fake_begun_now(void)
+{
+    lock();
+    const size_t count = begins;
+    unlock();
+    return count;
+}
+
+uint32_t fake_creates(void)
+{
+    lock();
+    const uint32_t count = creates;
+    unlock();
+    return count;
+}
+
+int fake_renders(void)
+{
+    lock();
+    const int count = renders;
+    unlock();
+    return count;
+}
+
+int fake_broken(void)
+{
+    lock();
+    const int count = broken;
+    unlock();
+    return count;
+}
+
+uint32_t glint_devices_workers(const glint_devices *d)
+{
+    return d->workers;
+}
+
+glint_worker *glint_devices_worker(glint_devices *d, uint32_t index)
+{
+    return &d->worker[index];
+}
+
+void glint_worker_enter(glint_worker *worker)
+{
+    worker->entered = true;
+}
+
+// With the mutex.
+static glint_status create_failure(uint32_t seed)
+{
+    struct behaviour *b = &behaviour[seed];
+    creates++;
+    creates_waiting++;
+    pthread_cond_broadcast(&changed);
+    while (create_held)
+        pthread_cond_wait(&changed, &mutex);
+    creates_waiting--;
+    if (!b->create_failures)
+        return GLINT_OK;
+    b->create_failures--;
+    return b->create_status;
+}
+
+glint_status glint_render_create(glint_render **out, struct glint_devices *d,
+                                 struct glint_resident *scene, const struct glint_job *job,
+                                 struct glint_error *err)
+{
+    (void)d;
+    (void)scene;
+    *out = NULL;
+    lock();
+    const glint_status failure = create_failure(job->seed);
+    renders += !failure;
+    unlock();
+    if (failure)
+        return glint_fail(err, failure, "", "job %u cannot be prepared", job->seed);
+    *out = calloc(1, sizeof **out);
+    (*out)->job = *job;
+    (*out)->block = calloc(job->width, 1);
+    return GLINT_OK;
+}
+
+void glint_render_destroy(glint_render **render)
+{
+    if (!*render)
+        return;
+    lock();
+    for (uint32_t i = 0; i < (*render)->job.width; i++)
+        must((*render)->block[i] != BLOCK_RUN, "a render goes while a slice of it runs");
+    renders--;
+    unlock();
+    free((*render)->block);
+    free(*render);
+    *render = NULL;
+}
+
+bool glint_render_take(glint_render *r, struct glint_slice *out)
+{
+    lock();
+    uint32_t i = 0;
+    while (i < r->job.width && r->block[i] != BLOCK_FREE)
+        i++;
+    const bool any =
+        i < r->job.width && r->sample < r->job.stop.samples && !behaviour[r->job.seed].stuck;
+    if (any)
+        r->block[i] = BLOCK_TAKEN;
+    *out = (struct glint_slice){.block = i, .sample = r->sample, .samples = 1};
+    unlock();
+    return any;
+}
+
+static void spin(double seconds)
+{
+    const double end = glint_now() + seconds;
+    while (glint_now() < end) {
+    }
+}
+
+glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
+                              const struct glint_slice *slice, struct glint_error *err)
+{
+    lock();
+    must(worker->entered, "a worker runs a slice before it has set its arithmetic");
+    must(r->block[slice->block] == BLOCK_TAKEN, "a slice is run once, by whom it was given to");
+    must(slice->sample == r->sample, "a slice belongs to the pass that is under way");
+    r->block[slice->block] = BLOCK_RUN;
+    if (begins < MAX_BEGUN)
+        begun[begins] = r->job.seed;
+    begins++;
+    pthread_cond_broadcast(&changed);
+    while (gate_closed && !let)
+        pthread_cond_wait(&changed, &mutex);
+    let -= gate_closed;
+    const double seconds = behaviour[r->job.seed].seconds;
+    const bool fails = behaviour[r->job.seed].fail_slice;
+    behaviour[r->job.seed].fail_slice = false;
+    unlock();
+    spin(seconds);
+    return fails ? glint_fail(err, GLINT_E_DEVICE, "", "a slice of job %u failed", r->job.seed)
+                 : GLINT_OK;
+}
+
+void glint_render_give_back(glint_render *r, const struct glint_slice *slice, bool done)
+{
+    lock();
+    const unsigned char state = r->block[slice->block];
+    must(done ? state == BLOCK_RUN : state == BLOCK_TAKEN || state == BLOCK_RUN,
+         "what is given back was taken, and run if it is done");
+    r->block[slice->block] = done ? BLOCK_BACK : BLOCK_FREE;
+    r->back += done;
+    if (r->back == r->job.width) {
+        r->sample++;
+        r->back = 0;
+        for (uint32_t i = 0; i < r->job.width; i++)
+            r->block[i] = BLOCK_FREE;
+    }
+    unlock();
+}
+
+bool glint_render_complete(const glint_render *r)
+{
+    lock();
+    const bool complete = r->sample == r->job.stop.samples;
+    unlock();
+    return complete;
+}
+
+void glint_render_state(const glint_render *r, struct glint_render_state *out)
+{
+    lock();
+    const double all = (double)r->job.width * r->job.stop.samples;
+    *out =
+        (struct glint_render_state){.samples = r->sample,
+                                    .target_samples = r->job.stop.samples,
+                                    .progress = ((double)r->sample * r->job.width + r->back) / all,
+                                    .error = r->sample < 2 ? NAN : 1 / sqrt(r->sample),
+                                    .predicted_samples = NAN,
+                                    .camera_rays = (uint64_t)r->sample * 100,
+                                    .bounce_rays = 7,
+                                    .shadow_rays = 3};
+    unlock();
+}

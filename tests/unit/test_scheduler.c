@@ -1,0 +1,502 @@
+#include "base/thread.h"
+#include "jobs/turn.h"
+#include "jobs_fixture.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// Whose turn it is, without threads.
+
+static glint_render *const some_film = (glint_render *)&some_film; // only compared with NULL
+
+static struct glint_entry make(int priority)
+{
+    return (struct glint_entry){.state = GLINT_JOB_RENDERING,
+                                .render = some_film,
+                                .priority = priority,
+                                .slice_seconds = 0.02};
+}
+
+// Runs `turns` slices that cost each job what `cost` says.
+static void run(struct glint_entry *const *entry, size_t count, const double *cost, int turns,
+                double *served)
+{
+    for (int t = 0; t < turns; t++) {
+        struct glint_entry *next = glint_turn_next(entry, count);
+        for (size_t i = 0; i < count; i++)
+            if (entry[i] == next) {
+                glint_turn_charge(next, cost[i]);
+                served[i] += cost[i];
+            }
+    }
+}
+
+static void equals_share_by_worker_seconds_whatever_a_slice_costs(void **state)
+{
+    (void)state;
+    struct glint_entry a = make(0), b = make(0), c = make(0);
+    struct glint_entry *const entry[] = {&a, &b, &c};
+    const double cost[] = {0.001, 0.020, 0.007};
+    double served[3] = {0, 0, 0};
+    run(entry, 3, cost, 10000, served);
+    for (int i = 1; i < 3; i++) // apart by no more than the longest slice
+        assert_true(fabs(served[i] - served[0]) <= 0.0201);
+}
+
+static void a_higher_priority_goes_first_whatever_it_has_had(void **state)
+{
+    (void)state;
+    struct glint_entry a = make(0), b = make(1);
+    struct glint_entry *const entry[] = {&a, &b};
+    b.turn = 100;
+    assert_ptr_equal(glint_turn_next(entry, 2), &b);
+    b.dry = true;
+    assert_ptr_equal(glint_turn_next(entry, 2), &a);
+}
+
+static void slices_that_are_out_count_as_served(void **state)
+{
+    (void)state;
+    struct glint_entry a = make(0), b = make(0);
+    struct glint_entry *const entry[] = {&a, &b};
+    assert_ptr_equal(glint_turn_next(entry, 2), &a);
+    a.out = 1;
+    assert_ptr_equal(glint_turn_next(entry, 2), &b);
+}
+
+static void a_newcomer_has_neither_debt_nor_credit(void **state)
+{
+    (void)state;
+    struct glint_entry a = make(0), b = make(0), late = make(0);
+    struct glint_entry *const entry[] = {&a, &b, &late};
+    const double cost[] = {0.01, 0.01, 0.01};
+    double served[3] = {0, 0, 0};
+    run(entry, 2, cost, 1000, served);
+    glint_turn_join(entry, 3, &late);
+    served[0] = served[1] = 0;
+    run(entry, 3, cost, 300, served);
+    for (int i = 0; i < 3; i++)
+        assert_true(fabs(served[i] - 1) <= 0.011);
+}
+
+static void who_is_paused_ending_or_unprepared_gets_no_turn(void **state)
+{
+    (void)state;
+    struct glint_entry a = make(0);
+    struct glint_entry *const entry[] = {&a};
+    assert_ptr_equal(glint_turn_next(entry, 1), &a);
+    a.state = GLINT_JOB_PAUSED;
+    assert_null(glint_turn_next(entry, 1));
+    a = make(0);
+    a.end = GLINT_JOB_CANCELLED;
+    assert_null(glint_turn_next(entry, 1));
+    a = make(0);
+    a.render = NULL;
+    assert_null(glint_turn_next(entry, 1));
+}
+
+static void films_are_made_for_the_important_first_and_for_few_at_once(void **state)
+{
+    (void)state;
+    enum { COUNT = GLINT_MAX_FILMS + 2 };
+    struct glint_entry e[COUNT];
+    struct glint_entry *entry[COUNT];
+    for (size_t i = 0; i < COUNT; i++) {
+        e[i] = make(0);
+        entry[i] = &e[i];
+    }
+    struct glint_entry *low = &e[COUNT - 2], *high = &e[COUNT - 1];
+    low->render = high->render = NULL;
+    low->state = high->state = GLINT_JOB_QUEUED;
+    high->priority = 5;
+    assert_ptr_equal(glint_turn_prepare(entry, COUNT), high);
+    high->render = some_film;
+    assert_null(glint_turn_prepare(entry, COUNT)); // GLINT_MAX_FILMS + 1 matter as much
+    e[0].state = e[1].state = GLINT_JOB_PAUSED;
+    assert_ptr_equal(glint_turn_prepare(entry, COUNT), low);
+}
+
+// The scheduler with its crew, over stand-in renders.
+
+static void a_higher_priority_gets_the_next_slice(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_close_gate();
+    fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [20, 1]}");
+    fake_begun(1, NULL); // one slice of job 1 runs, another waits behind it
+    const char *high =
+        fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [20, 1], 'priority': 1}");
+    fixture_wait(&f, high, GLINT_JOB_RENDERING); // it has been given a slice
+    fake_let(1);
+    uint32_t seed[2];
+    fake_begun(2, seed);
+    assert_int_equal(seed[0], 1);
+    assert_int_equal(seed[1], 2);
+    fixture_stop(&f);
+}
+
+static void a_raised_priority_counts_from_the_next_slice(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_close_gate();
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [20, 1]}");
+    const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [20, 1]}");
+    fake_begun(1, NULL);
+    fixture_wait(&f, b, GLINT_JOB_RENDERING); // job 1 runs, job 2 waits behind it
+    assert_int_equal(fixture_patch(&f, a, "{'priority': 7}"), GLINT_OK);
+    assert_true(fixture_number(&f, a, "priority") == 7);
+    fake_let(2);
+    uint32_t seed[3];
+    fake_begun(3, seed);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(seed[i], 1);
+    fixture_stop(&f);
+}
+
+static void equal_jobs_have_had_equal_time_when_one_is_done(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 2);
+    fake_hold_create(true); // so that both begin at once
+    fake_slice_seconds(1, 0.0005);
+    fake_slice_seconds(2, 0.0005);
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [400, 1],"
+                                       " 'stop': {'samples': 1}}");
+    const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [400, 1],"
+                                       " 'stop': {'samples': 1}}");
+    fake_close_gate();
+    fake_hold_create(false);
+    fixture_wait(&f, a, GLINT_JOB_RENDERING);
+    fixture_wait(&f, b, GLINT_JOB_RENDERING);
+    fake_open_gate();
+    fixture_wait(&f, a, GLINT_JOB_DONE);
+    // They are apart by a slice or two, and the system may stop any of them for a while.
+    assert_true(fixture_number(&f, b, "worker_seconds") >
+                0.5 * fixture_number(&f, a, "worker_seconds"));
+    fixture_wait(&f, b, GLINT_JOB_DONE);
+    assert_int_equal(fake_begun_now(), 800);
+    fixture_stop(&f);
+}
+
+static void a_failing_slice_fails_its_job_alone(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 2);
+    fake_fail_slice(1);
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [50, 1]}");
+    const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [50, 1],"
+                                       " 'stop': {'samples': 3}}");
+    fixture_wait(&f, a, GLINT_JOB_FAILED);
+    fixture_wait(&f, b, GLINT_JOB_DONE);
+    cJSON *job = glint_jobs_describe(f.jobs, a, NULL);
+    const cJSON *problem = cJSON_GetObjectItem(job, "problem");
+    assert_string_equal(cJSON_GetObjectItem(problem, "detail")->valuestring,
+                        "a slice of job 1 failed");
+    assert_true(cJSON_GetObjectItem(problem, "status")->valuedouble == 500);
+    cJSON_Delete(job);
+    fixture_stop(&f);
+}
+
+static void a_failing_preparation_fails_its_job_alone(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_fail_create(1, GLINT_E_DEVICE, 1);
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [2, 1]}");
+    const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [2, 1]}");
+    fixture_wait(&f, a, GLINT_JOB_FAILED);
+    fixture_wait(&f, b, GLINT_JOB_DONE);
+    struct glint_job_view view;
+    assert_int_equal(glint_jobs_view(f.jobs, a, &view, NULL), GLINT_OK);
+    assert_null(view.render);
+    glint_jobs_release(f.jobs, &view);
+    fixture_stop(&f);
+}
+
+static void a_film_that_does_not_fit_waits_for_others_to_end(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_close_gate();
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [5, 1],"
+                                       " 'stop': {'samples': 1}}");
+    fixture_wait(&f, a, GLINT_JOB_RENDERING);
+    fake_fail_create(2, GLINT_E_CAPACITY, 1);
+    const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [5, 1],"
+                                       " 'stop': {'samples': 1}}");
+    const char *c = fixture_submit(&f, "{'scene': 's', 'seed': 3, 'resolution': [5, 1],"
+                                       " 'stop': {'samples': 1}}");
+    fixture_wait(&f, c, GLINT_JOB_RENDERING); // prepared after b had its first try
+    assert_int_equal(fixture_state(&f, b), GLINT_JOB_QUEUED);
+    fake_open_gate();
+    fixture_wait(&f, b, GLINT_JOB_DONE);
+    assert_int_equal(fake_creates(), 4);
+    fixture_stop(&f);
+}
+
+static void a_film_that_fits_nowhere_fails_with_capacity(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_fail_create(1, GLINT_E_CAPACITY, 1000);
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1}");
+    fixture_wait(&f, a, GLINT_JOB_FAILED);
+    cJSON *job = glint_jobs_describe(f.jobs, a, NULL);
+    assert_true(cJSON_GetObjectItem(cJSON_GetObjectItem(job, "problem"), "status")->valuedouble ==
+                507);
+    cJSON_Delete(job);
+    assert_int_equal(fake_creates(), 1);
+    fixture_stop(&f);
+}
+
+static void compiling_holds_up_neither_slices_nor_answers(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_close_gate();
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [9, 1],"
+                                       " 'stop': {'samples': 9}}");
+    fixture_wait(&f, a, GLINT_JOB_RENDERING);
+    fake_hold_create(true);
+    const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2}");
+    fake_wait_create();
+    fake_open_gate();
+    fixture_wait(&f, a, GLINT_JOB_DONE);
+    struct glint_job_view view;
+    assert_int_equal(glint_jobs_view(f.jobs, b, &view, NULL), GLINT_E_BUSY);
+    bool forgotten;
+    assert_int_equal(glint_jobs_delete(f.jobs, b, &forgotten, NULL), GLINT_OK);
+    assert_false(forgotten);
+    assert_int_equal(fixture_state(&f, b), GLINT_JOB_CANCELLED);
+    assert_int_equal(glint_jobs_delete(f.jobs, b, &forgotten, NULL), GLINT_OK);
+    assert_true(forgotten);
+    fixture_stop(&f);
+}
+
+static void a_cancelled_job_runs_no_slice_that_had_not_begun(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_close_gate();
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [20, 1]}");
+    fake_begun(1, NULL);
+    bool forgotten;
+    assert_int_equal(glint_jobs_delete(f.jobs, a, &forgotten, NULL), GLINT_OK);
+    assert_int_equal(fixture_state(&f, a), GLINT_JOB_RENDERING); // until its slice is back
+    assert_int_equal(glint_jobs_delete(f.jobs, a, &forgotten, NULL), GLINT_OK);
+    assert_false(forgotten);
+    fake_open_gate();
+    fixture_wait(&f, a, GLINT_JOB_CANCELLED);
+    assert_int_equal(fake_begun_now(), 1);
+    assert_int_equal(fake_renders(), 1); // what was rendered is kept
+    fixture_stop(&f);
+}
+
+static void a_paused_job_gets_no_slice_and_its_clock_stands(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_close_gate();
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [4, 1],"
+                                       " 'stop': {'samples': 1}}");
+    fake_begun(1, NULL);
+    assert_int_equal(fixture_patch(&f, a, "{'paused': true}"), GLINT_OK);
+    assert_int_equal(fixture_state(&f, a), GLINT_JOB_PAUSED);
+    const double seconds = fixture_number(&f, a, "seconds");
+    fake_open_gate();
+    // Another job passes through: whatever was due to the first would have run before it ends.
+    const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [4, 1],"
+                                       " 'stop': {'samples': 2}}");
+    fixture_wait(&f, b, GLINT_JOB_DONE);
+    assert_int_equal(fake_begun_now(), 1 + 8);
+    assert_true(fixture_number(&f, a, "seconds") == seconds);
+    assert_int_equal(fixture_patch(&f, a, "{'paused': null}"), GLINT_OK);
+    fixture_wait(&f, a, GLINT_JOB_DONE);
+    assert_int_equal(fake_begun_now(), 4 + 8);
+    fixture_stop(&f);
+}
+
+static void a_job_paused_in_the_queue_begins_when_it_is_let_go(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_hold_create(true);
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [4, 1]}");
+    fake_wait_create();
+    assert_int_equal(fixture_patch(&f, a, "{'paused': true}"), GLINT_OK);
+    fake_hold_create(false);
+    const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [4, 1]}");
+    fixture_wait(&f, b, GLINT_JOB_DONE);
+    assert_int_equal(fixture_state(&f, a), GLINT_JOB_PAUSED);
+    assert_true(fixture_number(&f, a, "seconds") == 0);
+    assert_int_equal(fixture_patch(&f, a, "{'paused': false}"), GLINT_OK);
+    fixture_wait(&f, a, GLINT_JOB_DONE);
+    fixture_stop(&f);
+}
+
+static void a_job_stops_at_its_seconds_and_goes_on_when_given_more(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 2);
+    fake_slice_seconds(1, 0.0005);
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [50, 1],"
+                                       " 'stop': {'samples': 20, 'seconds': 0.05}}");
+    fixture_wait(&f, a, GLINT_JOB_DONE);
+    const double seconds = fixture_number(&f, a, "seconds");
+    const double slices = (double)fake_begun_now();
+    assert_true(seconds >= 0.05 && slices > 0 && slices < 1000);
+    assert_true(fixture_number(&f, a, "progress") == 1);
+    assert_int_equal(fixture_patch(&f, a, "{'stop': {'seconds': 0.01}}"), GLINT_E_CONFLICT);
+    assert_int_equal(fixture_patch(&f, a, "{'stop': {'seconds': null}}"), GLINT_OK);
+    fixture_wait(&f, a, GLINT_JOB_DONE);
+    assert_int_equal(fake_begun_now(), 1000); // 50 blocks, 20 samples: none lost, none twice
+    assert_int_equal(fixture_patch(&f, a, "{'stop': {'seconds': 900}}"), GLINT_E_CONFLICT);
+    fixture_stop(&f);
+}
+
+static void seconds_are_counted_though_no_slice_comes_back(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_close_gate();
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [50, 1],"
+                                       " 'stop': {'seconds': 0.02}}");
+    fixture_wait(&f, a, GLINT_JOB_RENDERING);
+    // The more important one takes the only worker from its next slice on.
+    const char *b =
+        fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [50, 1], 'priority': 9}");
+    fixture_wait(&f, b, GLINT_JOB_RENDERING);
+    fake_let(1);
+    fixture_wait(&f, a, GLINT_JOB_DONE);
+    uint32_t seed[2];
+    fake_begun(2, seed);
+    assert_int_equal(seed[1], 2);
+    fixture_stop(&f);
+}
+
+static void a_render_that_stalls_fails_instead_of_waiting_for_ever(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_stick(1);
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1}");
+    fixture_wait(&f, a, GLINT_JOB_FAILED);
+    fixture_stop(&f);
+}
+
+static void stopping_cancels_what_lives_after_the_slices_out(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 2);
+    fake_close_gate();
+    for (int i = 0; i < 3; i++)
+        fixture_submit(&f, "{'scene': 's', 'seed': %d, 'resolution': [50, 1]}", i);
+    fake_begun(2, NULL);
+    fixture_stop(&f); // opens the gate
+    assert_true(fake_begun_now() < 3 * 50);
+}
+
+// Every slice is run exactly once (the stand-in checks) whatever clients do meanwhile.
+
+struct client {
+    struct fixture *f;
+    uint32_t index;
+    char id[GLINT_JOB_ID_BYTES];
+};
+
+static void *bother(void *arg)
+{
+    struct client *c = arg;
+    for (int i = 0; i < 60; i++) {
+        fixture_patch(c->f, c->id, i % 2 ? "{'paused': false}" : "{'paused': true}");
+        fixture_patch(c->f, c->id, i % 3 ? "{'priority': 1}" : "{'priority': 0}");
+        cJSON_Delete(glint_jobs_list(c->f->jobs));
+        struct glint_job_view view;
+        if (!glint_jobs_view(c->f->jobs, c->id, &view, NULL))
+            glint_jobs_release(c->f->jobs, &view);
+        struct glint_jobs_stats stats;
+        glint_jobs_stats(c->f->jobs, &stats);
+    }
+    fixture_patch(c->f, c->id, "{'paused': false}");
+    bool forgotten;
+    if (c->index % 2)
+        glint_jobs_delete(c->f->jobs, c->id, &forgotten, NULL);
+    return NULL;
+}
+
+static void no_slice_is_lost_or_run_twice_while_clients_interfere(void **state)
+{
+    (void)state;
+    enum { CLIENTS = 4 };
+    struct fixture f;
+    fixture_start(&f, 3);
+    struct client client[CLIENTS];
+    pthread_t thread[CLIENTS];
+    for (uint32_t i = 0; i < CLIENTS; i++) {
+        client[i] = (struct client){.f = &f, .index = i};
+        strcpy(client[i].id, fixture_submit(&f,
+                                            "{'scene': 's', 'seed': %u,"
+                                            " 'resolution': [100, 1], 'stop': {'samples': 5}}",
+                                            i));
+    }
+    for (uint32_t i = 0; i < CLIENTS; i++)
+        assert_int_equal(glint_thread_start(&thread[i], "client", bother, &client[i], NULL), 0);
+    for (uint32_t i = 0; i < CLIENTS; i++)
+        pthread_join(thread[i], NULL);
+    fixture_wait(&f, client[0].id, GLINT_JOB_DONE);
+    fixture_wait(&f, client[2].id, GLINT_JOB_DONE);
+    assert_true(fixture_number(&f, client[0].id, "samples") == 5);
+    fixture_stop(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(equals_share_by_worker_seconds_whatever_a_slice_costs),
+        cmocka_unit_test(a_higher_priority_goes_first_whatever_it_has_had),
+        cmocka_unit_test(slices_that_are_out_count_as_served),
+        cmocka_unit_test(a_newcomer_has_neither_debt_nor_credit),
+        cmocka_unit_test(who_is_paused_ending_or_unprepared_gets_no_turn),
+        cmocka_unit_test(films_are_made_for_the_important_first_and_for_few_at_once),
+        cmocka_unit_test(a_higher_priority_gets_the_next_slice),
+        cmocka_unit_test(a_raised_priority_counts_from_the_next_slice),
+        cmocka_unit_test(equal_jobs_have_had_equal_time_when_one_is_done),
+        cmocka_unit_test(a_failing_slice_fails_its_job_alone),
+        cmocka_unit_test(a_failing_preparation_fails_its_job_alone),
+        cmocka_unit_test(a_film_that_does_not_fit_waits_for_others_to_end),
+        cmocka_unit_test(a_film_that_fits_nowhere_fails_with_capacity),
+        cmocka_unit_test(compiling_holds_up_neither_slices_nor_answers),
+        cmocka_unit_test(a_cancelled_job_runs_no_slice_that_had_not_begun),
+        cmocka_unit_test(a_paused_job_gets_no_slice_and_its_clock_stands),
+        cmocka_unit_test(a_job_paused_in_the_queue_begins_when_it_is_let_go),
+        cmocka_unit_test(a_job_stops_at_its_seconds_and_goes_on_when_given_more),
+        cmocka_unit_test(seconds_are_counted_though_no_slice_comes_back),
+        cmocka_unit_test(a_render_that_stalls_fails_instead_of_waiting_for_ever),
+        cmocka_unit_test(stopping_cancels_what_lives_after_the_slices_out),
+        cmocka_unit_test(no_slice_is_lost_or_run_twice_while_clients_interfere),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
