@@ -241,15 +241,16 @@ static void assert_same(const struct glint_job *a, const struct glint_job *b)
 static void parsing_what_was_written_gives_an_equal_job(void **state)
 {
     (void)state;
-    static const char *const jobs[] = {
-        "{'scene':'a'}", "{'scene':'a','stop':{}}",
+    static const char named_camera[] =
         "{'scene':'s-1.2_3','name':'shot \\u00e4 \\n','camera':'Cam','resolution':[33,7],'region':[1,2,3,4],"
         "'frame':1001,'outputs':['variance','depth'],'accuracy':{'preset':'reference','gi':'none'},"
         "'mattes':{'eviction':'direct_first','slots':32,'levels':16},'filter':{'kind':'box','width':0.7},"
-        "'max_bounces':0,'seed':4294967295,'stop':{'samples':3,'seconds':0.1,'error':1e-3},'priority':-100}",
+        "'max_bounces':0,'seed':4294967295,'stop':{'samples':3,'seconds':0.1,'error':1e-3},'priority':-100}";
+    static const char own_camera[] =
         "{'scene':'a','camera':{'name':'c','yfov':0.7,'lens_radius':0.1,'focus_distance':3,"
-        "'transform':{'rotation':[0.1,0.2,0.3,0.9],'translation':[0.1,0.2,0.3]}}}",
-    };
+        "'transform':{'rotation':[0.1,0.2,0.3,0.9],'translation':[0.1,0.2,0.3]}}}";
+    static const char *const jobs[] = {"{'scene':'a'}", "{'scene':'a','stop':{}}", named_camera,
+                                       own_camera};
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
         struct glint_job *a = parse(jobs[i]), *b;
         char *text = glint_job_write(a);
