@@ -10,6 +10,7 @@ UNIT_TESTS = \
 	tests/kernel/test_dialects \
 	tests/kernel/test_filter \
 	tests/kernel/test_fresnel \
+	tests/kernel/test_light \
 	tests/kernel/test_math \
 	tests/kernel/test_matte \
 	tests/kernel/test_sampler \

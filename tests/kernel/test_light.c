@@ -1,0 +1,326 @@
+// Light sampling: directions and points come with the density that is stated for them.
+#include "kernels/gk_light.h"
+#include "tests/kernel/check.h"
+
+enum { WIDTH = 16, HEIGHT = 8, CELLS = WIDTH * HEIGHT, FINE = 4, N = 1000000 };
+
+static struct gk_env_cell cell[CELLS];
+static struct gk_env_texel texel[CELLS];
+static double weight[CELLS]; // probabilities of the cells
+
+// Walker's table for `weight`, by Vose's method.
+static void build_alias(void)
+{
+    double scaled[CELLS];
+    int small[CELLS], large[CELLS], smalls = 0, larges = 0;
+    for (int i = 0; i < CELLS; i++) {
+        scaled[i] = weight[i] * CELLS;
+        cell[i].pdf = (float)scaled[i];
+        if (scaled[i] < 1)
+            small[smalls++] = i;
+        else
+            large[larges++] = i;
+    }
+    while (smalls && larges) {
+        const int s = small[--smalls], l = large[larges - 1];
+        cell[s].keep = (float)scaled[s];
+        cell[s].other = (gk_u32)l;
+        scaled[l] -= 1 - scaled[s];
+        if (scaled[l] < 1)
+            small[smalls++] = large[--larges];
+    }
+    while (smalls)
+        cell[small[--smalls]].keep = 1;
+    while (larges)
+        cell[large[--larges]].keep = 1;
+}
+
+// Weights over four decades, one cell that outshines the rest, turned by 0.7 radians.
+static struct gk_environment make_environment(void)
+{
+    uint64_t seed = 5;
+    double sum = 0;
+    for (int i = 0; i < CELLS; i++)
+        sum += weight[i] = i == 37 ? 4.0 : pow(10, -4 * (double)check_uniform(&seed));
+    for (int i = 0; i < CELLS; i++) {
+        weight[i] /= sum;
+        texel[i] = (struct gk_env_texel){.L = {1, (float)i, (float)weight[i]}};
+    }
+    build_alias();
+    struct gk_environment e = {texel, cell, WIDTH, HEIGHT, WIDTH, HEIGHT, cosf(0.7f), sinf(0.7f),
+                               gk_vec(1, 1, 1)};
+    return e;
+}
+
+static struct gk_vec draw(const struct gk_environment *e, uint64_t *seed)
+{
+    const float choice = check_uniform(seed), keep = check_uniform(seed), u = check_uniform(seed);
+    return gk_environment_sample(e, choice, keep, u, check_uniform(seed));
+}
+
+// Image coordinates of a direction as gk_environment.h defines them, in double.
+static void exact_uv(struct gk_vec d, double *u, double *v)
+{
+    const double x = cos(0.7) * d.x - sin(0.7) * d.z, z = sin(0.7) * d.x + cos(0.7) * d.z;
+    *u = 0.5 + atan2(x, -z) / (2 * M_PI);
+    *v = acos(fmax(-1, fmin(1, d.y))) / M_PI;
+}
+
+// Each cell in 4 x 4 parts, n = 10^6.
+static void environment_samples_follow_their_cells(void **state)
+{
+    (void)state;
+    static uint32_t count[CELLS * FINE * FINE];
+    static double probability[CELLS * FINE * FINE];
+    const struct gk_environment e = make_environment();
+    uint64_t seed = 6;
+    for (int i = 0; i < N; i++) {
+        double u, v;
+        exact_uv(draw(&e, &seed), &u, &v);
+        const int x = (int)(u * WIDTH * FINE), y = (int)(v * HEIGHT * FINE);
+        count[(y < HEIGHT * FINE ? y : HEIGHT * FINE - 1) * WIDTH * FINE + x % (WIDTH * FINE)]++;
+    }
+    for (int i = 0; i < CELLS * FINE * FINE; i++) {
+        const int x = i % (WIDTH * FINE) / FINE, y = i / (WIDTH * FINE) / FINE;
+        probability[i] = weight[y * WIDTH + x] / (FINE * FINE);
+    }
+    assert_true(check_chi2(count, probability, CELLS * FINE * FINE, N) < CHECK_Z_ONE_SIDED);
+}
+
+static void environment_coordinates_are_exact(void **state)
+{
+    (void)state;
+    const struct gk_environment e = make_environment();
+    uint64_t seed = 7;
+    for (int i = 0; i < 100000; i++) {
+        double u, v;
+        const struct gk_vec d = draw(&e, &seed);
+        const struct gk_direction_uv at = gk_environment_uv(&e, d);
+        exact_uv(d, &u, &v);
+        assert_within(at.v - v, 3e-7);
+        assert_within((at.u - u - rint(at.u - u)) * at.sine, 5e-7);
+        assert_within(gk_dot(d, d) - 1, 1e-6);
+    }
+}
+
+// Mean of 1/pdf over the samples is the sphere's 4 pi, of (1 + y)^2/pdf its integral, 16 pi/3.
+static void environment_pdf_integrates_the_sphere(void **state)
+{
+    (void)state;
+    const struct gk_environment e = make_environment();
+    uint64_t seed = 8;
+    double sum[2] = {0}, square[2] = {0};
+    for (int i = 0; i < N; i++) {
+        const struct gk_vec d = draw(&e, &seed);
+        const double pdf = gk_environment_pdf(&e, gk_environment_uv(&e, d));
+        const double value[2] = {1 / pdf, (1 + (double)d.y) * (1 + (double)d.y) / pdf};
+        for (int k = 0; k < 2; k++) {
+            sum[k] += value[k];
+            square[k] += value[k] * value[k];
+        }
+    }
+    const double exact[2] = {4 * M_PI, 16 * M_PI / 3};
+    for (int k = 0; k < 2; k++) {
+        const double mean = sum[k] / N, error = sqrt((square[k] / N - mean * mean) / N);
+        assert_within((mean - exact[k]) / error, CHECK_Z);
+    }
+}
+
+// Half way between texels, across the seam and at the poles: the look-up stays inside.
+static void environment_radiance_interpolates(void **state)
+{
+    (void)state;
+    const struct gk_environment e = make_environment();
+    uint64_t seed = 9;
+    struct gk_direction_uv at = {(5 + 0.5f) / WIDTH, (2 + 0.5f) / HEIGHT, 1};
+    assert_within(gk_environment_radiance(&e, at).y - (2 * WIDTH + 5), 1e-3);
+    at.u = 6.0f / WIDTH;
+    assert_within(gk_environment_radiance(&e, at).y - (2 * WIDTH + 5.5), 1e-3);
+    at.u = 0;
+    assert_within(gk_environment_radiance(&e, at).y - (2 * WIDTH + 7.5), 1e-3);
+    for (int i = 0; i < 100000; i++) {
+        at.u = i % 7 ? check_uniform(&seed) : 1.0f;
+        at.v = i % 5 ? check_uniform(&seed) : (float)(i & 1);
+        assert_within(gk_environment_radiance(&e, at).x - 1, 1e-6);
+    }
+}
+
+static const struct gk_light triangle = {
+    .p = {0.2f, -0.3f, 2},
+    .a = {1.5f, 0.2f, 0.1f},
+    .b = {0.1f, -1.1f, 0.4f},
+    .L = {3, 2, 1},
+    .kind = GK_LIGHT_TRIANGLE,
+    .triangle = 5,
+    .material = GK_NONE,
+};
+
+// Solid angle of a triangle seen from the origin. Source: Van Oosterom and Strackee 1983.
+static double solid_angle(const double a[3], const double b[3], const double c[3])
+{
+    const double la = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    const double lb = sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
+    const double lc = sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
+    const double ab = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    const double bc = b[0] * c[0] + b[1] * c[1] + b[2] * c[2];
+    const double ca = c[0] * a[0] + c[1] * a[1] + c[2] * a[2];
+    const double volume = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+                          a[2] * (b[0] * c[1] - b[1] * c[0]);
+    return 2 * fabs(atan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb));
+}
+
+// Mean of 1/pdf over the samples of a triangle is the solid angle it fills.
+static void triangle_pdf_integrates_its_solid_angle(void **state)
+{
+    (void)state;
+    double corner[3][3], sum = 0, square = 0;
+    for (int k = 0; k < 3; k++) {
+        corner[0][k] = triangle.p[k];
+        corner[1][k] = (double)triangle.p[k] + triangle.a[k];
+        corner[2][k] = (double)triangle.p[k] + triangle.b[k];
+    }
+    uint64_t seed = 10;
+    for (int i = 0; i < N; i++) {
+        const float u = check_uniform(&seed);
+        const struct gk_light_sample s =
+            gk_light_from_table(&triangle, gk_splat(0), 0.25f, u, check_uniform(&seed));
+        sum += 0.25 / s.pdf;
+        square += 0.0625 / ((double)s.pdf * s.pdf);
+    }
+    const double mean = sum / N, error = sqrt((square / N - mean * mean) / N);
+    const double exact = solid_angle(corner[0], corner[1], corner[2]);
+    assert_within((mean - exact) / (error + 1e-6 * exact), CHECK_Z);
+}
+
+// 16 congruent parts of the triangle, equally likely.
+static void points_on_a_triangle_are_uniform(void **state)
+{
+    (void)state;
+    uint32_t count[32] = {0};
+    double probability[32] = {0};
+    uint64_t seed = 11;
+    for (int i = 0; i < N; i++) {
+        const float u = check_uniform(&seed);
+        const struct gk_light_sample s =
+            gk_light_from_table(&triangle, gk_splat(0), 1, u, check_uniform(&seed));
+        assert_true(s.u >= 0 && s.v >= 0 && s.u + s.v <= 1.0f);
+        const int x = (int)fminf(s.u * 4, 3), y = (int)fminf(s.v * 4, 3);
+        const int upper = s.u * 4 - (float)x + s.v * 4 - (float)y > 1;
+        count[(y * 4 + x) * 2 + upper]++;
+    }
+    for (int i = 0; i < 32; i++)
+        probability[i] = i / 8 + i / 2 % 4 + i % 2 < 4 ? 1.0 / 16 : 0;
+    assert_true(check_chi2(count, probability, 32, N) < CHECK_Z_ONE_SIDED);
+}
+
+// What a BSDF sample that hits the same point would compute is the same pdf.
+static void both_techniques_agree_on_the_pdf(void **state)
+{
+    (void)state;
+    uint64_t seed = 12;
+    const struct gk_vec a = gk_vec(triangle.a[0], triangle.a[1], triangle.a[2]);
+    const struct gk_vec b = gk_vec(triangle.b[0], triangle.b[1], triangle.b[2]);
+    const struct gk_vec n = gk_normalise(gk_cross(a, b));
+    for (int i = 0; i < 10000; i++) {
+        const float u = check_uniform(&seed);
+        const struct gk_light_sample s =
+            gk_light_from_table(&triangle, gk_splat(0), 0.25f, u, check_uniform(&seed));
+        const float hit = gk_triangle_light_pdf(&triangle, s.distance, gk_abs(gk_dot(s.wi, n)), 0.25f);
+        assert_within(hit / s.pdf - 1, 1e-4);
+        assert_true(!s.delta && s.triangle == 5);
+    }
+}
+
+static void one_sided_emitters_are_dark_from_behind(void **state)
+{
+    (void)state;
+    struct gk_light turned = triangle, both = triangle;
+    memcpy(turned.a, triangle.b, sizeof turned.a);
+    memcpy(turned.b, triangle.a, sizeof turned.b);
+    both.kind |= 1u << 4;
+    const struct gk_vec at = gk_splat(0);
+    const float here = gk_light_from_table(&triangle, at, 1, 0.3f, 0.4f).L.x;
+    assert_true(here + gk_light_from_table(&turned, at, 1, 0.3f, 0.4f).L.x == 3.0f);
+    assert_true(gk_light_from_table(&both, at, 1, 0.3f, 0.4f).L.x == 3.0f);
+}
+
+// A spot of 12 W/sr in the axis gives 12 / d^2; between the cones the square of the ramp (glTF
+// KHR_lights_punctual), outside nothing.
+static void punctual_lights_fall_off_with_the_square(void **state)
+{
+    (void)state;
+    const struct gk_light spot = {.p = {0, 0, 2},
+                                  .a = {0, 0, -1},
+                                  .b = {0.5f, 1 / (0.9f - 0.5f), 0},
+                                  .L = {12, 12, 12},
+                                  .kind = GK_LIGHT_POINT,
+                                  .triangle = GK_NONE};
+    const struct gk_light_sample below = gk_light_from_table(&spot, gk_splat(0), 0.5f, 0.1f, 0.2f);
+    assert_true(below.delta && below.pdf == 1.0f && below.distance == 2.0f);
+    assert_within(below.L.x - 12.0 / 4 / 0.5, 1e-5);
+    assert_true(below.wi.x == 0 && below.wi.y == 0 && below.wi.z == 1);
+    const float x = 2 * sqrtf(1 / 0.49f - 1); // under a cosine of 0.7: half the ramp
+    const struct gk_light_sample aside = gk_light_from_table(&spot, gk_vec(x, 0, 0), 1, 0.1f, 0.2f);
+    assert_within(aside.L.x - 12 * 0.25 / (4 + (double)x * x), 1e-5);
+    assert_true(gk_light_from_table(&spot, gk_vec(9, 0, 0), 1, 0.1f, 0.2f).L.x == 0);
+}
+
+static void the_sun_is_infinitely_far_and_does_not_fall_off(void **state)
+{
+    (void)state;
+    const struct gk_light sun = {.p = {0, 1, 0}, .L = {5, 5, 5}, .kind = GK_LIGHT_SUN};
+    const struct gk_light_sample s = gk_light_from_table(&sun, gk_vec(7, -3, 2), 0.5f, 0, 0);
+    assert_true(s.delta && isinf(s.distance) && s.wi.y == 1 && s.L.x == 10);
+}
+
+// From pdfs of 2^-100 to 2^100, and with one technique that cannot or can only take the direction.
+static void weights_of_two_techniques_sum_to_one(void **state)
+{
+    (void)state;
+    for (int i = -100; i <= 100; i++)
+        for (int j = -100; j <= 100; j++) {
+            const float a = ldexpf(1.3f, i), b = ldexpf(1.7f, j);
+            const float w = gk_mis_weight(a, b), v = gk_mis_weight(b, a);
+            assert_true(w >= 0 && w <= 1 && v >= 0 && v <= 1);
+            assert_within((double)w + v - 1, 4 * GK_UNIT);
+        }
+    assert_true(gk_mis_weight(1.0f, 0.0f) == 1.0f && gk_mis_weight(1.0f, INFINITY) == 0.0f);
+    assert_true(gk_mis_weight(0.0f, 1.0f) == 0.0f && gk_mis_weight(INFINITY, 1.0f) == 1.0f);
+}
+
+static void alias_table_chooses_by_weight(void **state)
+{
+    (void)state;
+    static const struct gk_alias table[4] = {{0.4f, 3}, {1, 1}, {0.2f, 1}, {0.8f, 2}};
+    const double probability[4] = {0.1, 0.25 + 0.2, 0.05 + 0.05, 0.15 + 0.2};
+    uint32_t count[4] = {0};
+    uint64_t seed = 13;
+    for (int i = 0; i < N; i++) {
+        const float u = check_uniform(&seed);
+        count[gk_alias_choose(table, 4, u, check_uniform(&seed))]++;
+    }
+    for (int k = 0; k < 4; k++)
+        assert_within((count[k] - N * probability[k]) /
+                          sqrt(N * probability[k] * (1 - probability[k])),
+                      CHECK_Z);
+    assert_int_equal(gk_alias_choose(table, 4, 1.0f, 0.99f), 2);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(environment_samples_follow_their_cells),
+        cmocka_unit_test(environment_coordinates_are_exact),
+        cmocka_unit_test(environment_pdf_integrates_the_sphere),
+        cmocka_unit_test(environment_radiance_interpolates),
+        cmocka_unit_test(triangle_pdf_integrates_its_solid_angle),
+        cmocka_unit_test(points_on_a_triangle_are_uniform),
+        cmocka_unit_test(both_techniques_agree_on_the_pdf),
+        cmocka_unit_test(one_sided_emitters_are_dark_from_behind),
+        cmocka_unit_test(punctual_lights_fall_off_with_the_square),
+        cmocka_unit_test(the_sun_is_infinitely_far_and_does_not_fall_off),
+        cmocka_unit_test(weights_of_two_techniques_sum_to_one),
+        cmocka_unit_test(alias_table_chooses_by_weight),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
