@@ -16,6 +16,7 @@ UNIT_TESTS = \
 	tests/kernel/test_sampler \
 	tests/render/test_effects \
 	tests/unit/test_arena \
+	tests/unit/test_contract \
 	tests/unit/test_cryptomatte \
 	tests/unit/test_data_uri \
 	tests/unit/test_device \
