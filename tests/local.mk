@@ -15,6 +15,7 @@ UNIT_TESTS = \
 	tests/kernel/test_matte \
 	tests/kernel/test_sampler \
 	tests/render/test_effects \
+	tests/render/test_transport \
 	tests/unit/test_arena \
 	tests/unit/test_contract \
 	tests/unit/test_cryptomatte \
@@ -23,6 +24,7 @@ UNIT_TESTS = \
 	tests/unit/test_dials \
 	tests/unit/test_exr \
 	tests/unit/test_frame \
+	tests/unit/test_http \
 	tests/unit/test_image_decode \
 	tests/unit/test_import \
 	tests/unit/test_import_answer \
@@ -46,6 +48,7 @@ endif
 check_PROGRAMS += tests/render/render_file tests/render/write_frame tests/unit/import_dump
 offline = tests/render/offline.c tests/render/offline.h
 tests_render_render_file_SOURCES = tests/render/render_file.c $(offline)
+tests_render_test_transport_SOURCES = tests/render/test_transport.c $(offline)
 tests_render_test_effects_SOURCES = tests/render/test_effects.c $(offline)
 tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
 
@@ -68,6 +71,8 @@ tests_unit_test_import_gltf_SOURCES = tests/unit/test_import_gltf.c tests/unit/g
 tests_unit_test_scheduler_SOURCES = tests/unit/test_scheduler.c $(jobs_fixture)
 tests_unit_test_store_SOURCES = tests/unit/test_store.c tests/unit/fake_scene.c \
 	tests/unit/fake_scene.h
+tests_unit_test_http_SOURCES = tests/unit/test_http.c tests/unit/fake_house.c \
+	tests/unit/fake_house.h
 tests_clients_test_sse_LDADD = libglintcli.a $(LDADD)
 tests_clients_test_uri_LDADD = libglintcli.a $(LDADD)
 
@@ -77,6 +82,10 @@ SCRIPT_TESTS = \
 	tests/clients/cli_render.py \
 	tests/clients/cli_usage.py \
 	tests/clients/demo_scene.py \
+	tests/http/test_jobs.py \
+	tests/http/test_requests.py \
+	tests/http/test_scenes.py \
+	tests/http/test_streams.py \
 	tests/render/test_exr_readers.py \
 	tests/unit/headers.sh \
 	tests/unit/import_corpora.py \
@@ -84,7 +93,7 @@ SCRIPT_TESTS = \
 
 TESTS += $(UNIT_TESTS) $(SCRIPT_TESTS)
 dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/bench/run tests/bench/vectorised
-dist_check_DATA += tests/clients/cli.py tests/clients/fake_daemon.py \
+dist_check_DATA += tests/clients/cli.py tests/clients/fake_daemon.py tests/http/daemon.py \
 	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/surface.h \
 	tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/tap.py
 
