@@ -32,7 +32,8 @@ GK_INLINE gk_f32 gk_blackman_harris_within(gk_f32 x)
     gk_sincos_2pi(0.5f * x, &s, &c);
     const gk_f32 s2 = 2.0f * s * c;
     const gk_f32 s3 = s * (4.0f * c * c - 1.0f);
-    return x + (0.48829f * s + 0.5f * 0.14128f * s2 + 0.01168f / 3.0f * s3) * (GK_INV_PI / 0.35875f);
+    return x +
+           (0.48829f * s + 0.5f * 0.14128f * s2 + 0.01168f / 3.0f * s3) * (GK_INV_PI / 0.35875f);
 }
 
 // Inverse of gk_blackman_harris_within(), t in [0, 1]: a fit in r = sqrt(-log(1 - t^2)), in which

@@ -133,8 +133,7 @@ GK_INLINE void gk_sincos_2pi(gk_f32 u, gk_f32 *sin_out, gk_f32 *cos_out)
     const gk_f32 s =
         r * (1.57079637f + z * (-0.645963490f + z * (0.0796802267f + z * -0.00460217707f)));
     const gk_f32 c =
-        1.0f +
-        z * (-1.23370051f + z * (0.253669232f + z * (-0.0208602883f + z * 0.000904021610f)));
+        1.0f + z * (-1.23370051f + z * (0.253669232f + z * (-0.0208602883f + z * 0.000904021610f)));
     const gk_i32 odd = (quadrant & 1) != 0;
     const gk_f32 sin_abs = gk_select(s, c, odd);
     const gk_f32 cos_abs = gk_select(c, s, odd);
@@ -148,11 +147,11 @@ GK_INLINE gk_f32 gk_exp_scaled(gk_f32 r, gk_i32 n)
 {
     const gk_f32 p =
         1.0f +
-        (r + r * r *
-                 (0.5f + r * (0.166666672f +
-                              r * (0.0416662693f +
-                                   r * (0.00833326578f +
-                                        r * (0.00139461167f + r * 0.000199178743f))))));
+        (r +
+         r * r *
+             (0.5f + r * (0.166666672f +
+                          r * (0.0416662693f + r * (0.00833326578f +
+                                                    r * (0.00139461167f + r * 0.000199178743f))))));
     const gk_i32 n0 = n >> 1;
     const gk_i32 n1 = n - n0;
     return p * gk_as_f32((gk_u32)(n0 + 127) << 23) * gk_as_f32((gk_u32)(n1 + 127) << 23);

@@ -14,7 +14,7 @@
 
 #define GK_MATTE_MAX_KEY 0x7fffffu
 #define GK_MATTE_MAX_AMOUNT ((gk_u64)0xffffffffff) // GLINT_MAX_SAMPLES whole samples, less one unit
-#define GK_MATTE_ONE 65536u                // a whole sample
+#define GK_MATTE_ONE 65536u                        // a whole sample
 
 // What a full table does with a key it does not hold.
 #define GK_MATTE_DROP 0u         // the newcomer is lost

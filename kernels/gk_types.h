@@ -19,7 +19,8 @@ typedef ulong gk_u64; // not in the hot path: vectorised 64-bit multiplies are s
 #define GK_INLINE static inline __attribute__((always_inline))
 #define GK_GLOBAL __global
 #define GK_CONSTANT __constant
-#define GK_LAYOUT(tag, bytes) typedef char gk_layout_of_##tag[sizeof(struct tag) == (bytes) ? 1 : -1]
+#define GK_LAYOUT(tag, bytes) \
+    typedef char gk_layout_of_##tag[sizeof(struct tag) == (bytes) ? 1 : -1]
 
 #else
 

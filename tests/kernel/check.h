@@ -18,11 +18,11 @@
 #define CHECK_Z_ONE_SIDED 4.753
 
 // Fails unless |value| <= bound; NaN fails.
-#define assert_within(value, bound)                                                                \
-    do {                                                                                           \
-        const double check_value = (value), check_bound = (bound);                                 \
-        if (!(fabs(check_value) <= check_bound))                                                   \
-            fail_msg("%s = %.9g, over %.9g", #value, check_value, check_bound);                    \
+#define assert_within(value, bound)                                             \
+    do {                                                                        \
+        const double check_value = (value), check_bound = (bound);              \
+        if (!(fabs(check_value) <= check_bound))                                \
+            fail_msg("%s = %.9g, over %.9g", #value, check_value, check_bound); \
     } while (0)
 
 // Error in units in the last place of `exact`, below FLT_MIN in those of FLT_MIN.

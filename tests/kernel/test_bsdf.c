@@ -61,9 +61,14 @@ static void single_scattering_loses_what_is_known(void **state)
     static const struct {
         float roughness, cosine;
         double albedo;
-    } known[] = {{1, 1, 0.306853}, {1, 0.6f, 0.4114}, {1, 0.3f, 0.5594}, {1, 0.1f, 0.7601},
-                 {0.31622777f, 1, 0.9885}, {0.31622777f, 0.6f, 0.9766},
-                 {0.31622777f, 0.3f, 0.9367}, {0.31622777f, 0.1f, 0.8835}};
+    } known[] = {{1, 1, 0.306853},
+                 {1, 0.6f, 0.4114},
+                 {1, 0.3f, 0.5594},
+                 {1, 0.1f, 0.7601},
+                 {0.31622777f, 1, 0.9885},
+                 {0.31622777f, 0.6f, 0.9766},
+                 {0.31622777f, 0.3f, 0.9367},
+                 {0.31622777f, 0.1f, 0.8835}};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         const struct material m = {"mirror", 1, 1, 0, known[i].roughness, 1.5f, 0, 0};
         const struct estimate e = albedo(&m, known[i].cosine, 400000, 0);
@@ -171,8 +176,7 @@ static void panes_are_reciprocal(void **state)
     for (int i = 0; i < 20000; i++) {
         const struct gk_vec a = random_upper(&seed), b = random_upper(&seed);
         const double f = exact_fresnel(half_cosine(a, b, 1), 1.5);
-        assert_reciprocal(&pane, value(&pane, a, b), value(&pane, b, a),
-                          (32 + 16 / f) * GK_UNIT);
+        assert_reciprocal(&pane, value(&pane, a, b), value(&pane, b, a), (32 + 16 / f) * GK_UNIT);
         const struct gk_vec below = from_the_other_side(b), other = from_the_other_side(a);
         assert_reciprocal(&pane, value(&pane, a, below), value(&pane, b, other),
                           (32 + 16 / (1 - f)) * GK_UNIT);
@@ -189,8 +193,8 @@ static void refraction_is_reciprocal_up_to_eta_squared(void **state)
     static const float indices[] = {1.33f, 1.5f, 2.42f};
     uint64_t seed = 32;
     for (int i = 0; i < 30000; i++) {
-        const struct material out = {"glass", 0.8f, 0, 1, 0.5f + 0.5f * (float)(i & 1),
-                                     indices[i % 3], 0, 0};
+        const struct material out = {"glass",        0.8f, 0, 1, 0.5f + 0.5f * (float)(i & 1),
+                                     indices[i % 3], 0,    0};
         struct material in = out;
         in.leaving = 1;
         const struct gk_vec a = random_upper(&seed), b = from_the_other_side(random_upper(&seed));
@@ -263,9 +267,14 @@ static void degenerate_pairs_stay_finite(void **state)
         const struct material m = random_material(&seed);
         const struct gk_vec wo = direction(i & 1 ? 1 : random_grazing(&seed), 0.1);
         const struct gk_surface s = make_surface(&m, wo.z);
-        const struct gk_vec wi[] = {wo, gk_negate(wo), gk_vec(-wo.x, -wo.y, wo.z),
-                                    gk_vec(wo.x, wo.y, -wo.z), gk_vec(0, 0, 1), gk_vec(0, 0, -1),
-                                    gk_vec(1, 0, 0), gk_splat(0)};
+        const struct gk_vec wi[] = {wo,
+                                    gk_negate(wo),
+                                    gk_vec(-wo.x, -wo.y, wo.z),
+                                    gk_vec(wo.x, wo.y, -wo.z),
+                                    gk_vec(0, 0, 1),
+                                    gk_vec(0, 0, -1),
+                                    gk_vec(1, 0, 0),
+                                    gk_splat(0)};
         for (size_t k = 0; k < sizeof wi / sizeof *wi; k++) {
             const struct gk_bsdf_value v = gk_bsdf_eval(&s, wo, wi[k]);
             assert_sound(&v);
@@ -300,7 +309,7 @@ static void opaque_surfaces_do_not_leak(void **state)
     uint64_t seed = 61;
     for (int i = 0; i < 100000; i++) {
         const struct material m = {"opaque", 1, (float)(i % 3) / 2, 0, check_uniform(&seed), 1.5f,
-                                   0, 0};
+                                   0,        0};
         const struct gk_vec wo = random_upper(&seed);
         const struct gk_surface s = make_surface(&m, wo.z);
         const struct gk_bsdf_value v =

@@ -46,10 +46,9 @@ static double gauss(const struct view *view, struct box b)
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++) {
             const double polar = b.polar + b.dpolar * 0.5 * (1 + node[i]);
-            const struct gk_vec wi =
-                direction(cos(polar), b.turn + b.dturn * 0.5 * (1 + node[j]));
-            sum += weight[i] * weight[j] * sin(polar) *
-                   gk_bsdf_eval(view->surface, view->wo, wi).pdf;
+            const struct gk_vec wi = direction(cos(polar), b.turn + b.dturn * 0.5 * (1 + node[j]));
+            sum +=
+                weight[i] * weight[j] * sin(polar) * gk_bsdf_eval(view->surface, view->wo, wi).pdf;
         }
     return sum * 0.25 * b.dpolar * b.dturn * 2 * M_PI;
 }
@@ -163,8 +162,7 @@ static void a_smooth_coat_leaves_the_rest_to_the_diffuse_lobe(void **state)
     double diffuse = 0;
     for (int i = 0; i < n; i++)
         diffuse += !draw(&s, direction(0.5, 0.3), &seed).delta;
-    assert_within(diffuse - n * s.p_diffuse,
-                  CHECK_Z * sqrt(n * s.p_diffuse * (1 - s.p_diffuse)));
+    assert_within(diffuse - n * s.p_diffuse, CHECK_Z * sqrt(n * s.p_diffuse * (1 - s.p_diffuse)));
 }
 
 int main(void)

@@ -145,10 +145,8 @@ static void matte_tables_agree(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(elementary_functions_agree),
-        cmocka_unit_test(limits_agree),
-        cmocka_unit_test(samples_and_filters_agree),
-        cmocka_unit_test(scattering_agrees),
+        cmocka_unit_test(elementary_functions_agree), cmocka_unit_test(limits_agree),
+        cmocka_unit_test(samples_and_filters_agree),  cmocka_unit_test(scattering_agrees),
         cmocka_unit_test(matte_tables_agree),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);

@@ -14,10 +14,10 @@ static double window(double x)
 
 static double integral(double x)
 {
-    return 0.5 + (0.35875 * x + 0.48829 * sin(M_PI * x) / M_PI +
-                  0.14128 * sin(2 * M_PI * x) / (2 * M_PI) +
-                  0.01168 * sin(3 * M_PI * x) / (3 * M_PI)) /
-                     (2 * 0.35875);
+    return 0.5 +
+           (0.35875 * x + 0.48829 * sin(M_PI * x) / M_PI +
+            0.14128 * sin(2 * M_PI * x) / (2 * M_PI) + 0.01168 * sin(3 * M_PI * x) / (3 * M_PI)) /
+               (2 * 0.35875);
 }
 
 static void density_is_harris_window(void **state)

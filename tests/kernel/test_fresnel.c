@@ -2,9 +2,8 @@
 // of total reflection, grazing angles.
 #include "tests/kernel/surface.h"
 
-static const float etas[] = {0.1f,  0.5f,       1 / 1.5f,   0.9f, 1 - 1e-6f, 1 - 6e-8f,
-                             1.0f,  1 + 1.2e-7f, 1 + 1e-6f, 1.1f, 1.33f,     1.5f,
-                             2.42f, 10.0f};
+static const float etas[] = {0.1f,        0.5f,      1 / 1.5f, 0.9f,  1 - 1e-6f, 1 - 6e-8f, 1.0f,
+                             1 + 1.2e-7f, 1 + 1e-6f, 1.1f,     1.33f, 1.5f,      2.42f,     10.0f};
 enum { ETAS = sizeof etas / sizeof *etas };
 
 // Distance of f from what F is for cosines and indices within 4u: at the edge of total reflection
@@ -102,7 +101,8 @@ static void refraction_obeys_snell(void **state)
         const double sine_o = hypot(wo.x, wo.y), sine_i = hypot(wi.x, wi.y);
         assert_true(wi.z < 0);
         assert_within(eta * sine_i - sine_o, 8 * GK_UNIT);
-        assert_within(length(wi) - 1, 4 * GK_UNIT / fmin(1, eta * eta)); // the integrator normalises
+        assert_within(length(wi) - 1,
+                      4 * GK_UNIT / fmin(1, eta * eta)); // the integrator normalises
     }
 }
 

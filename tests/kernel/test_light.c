@@ -47,8 +47,8 @@ static struct gk_environment make_environment(void)
         texel[i] = (struct gk_env_texel){.L = {1, (float)i, (float)weight[i]}};
     }
     build_alias();
-    struct gk_environment e = {texel, cell, WIDTH, HEIGHT, WIDTH, HEIGHT, cosf(0.7f), sinf(0.7f),
-                               gk_vec(1, 1, 1)};
+    struct gk_environment e = {texel,  cell,       WIDTH,      HEIGHT,         WIDTH,
+                               HEIGHT, cosf(0.7f), sinf(0.7f), gk_vec(1, 1, 1)};
     return e;
 }
 
@@ -225,7 +225,8 @@ static void both_techniques_agree_on_the_pdf(void **state)
         const float u = check_uniform(&seed);
         const struct gk_light_sample s =
             gk_light_from_table(&triangle, gk_splat(0), 0.25f, u, check_uniform(&seed));
-        const float hit = gk_triangle_light_pdf(&triangle, s.distance, gk_abs(gk_dot(s.wi, n)), 0.25f);
+        const float hit =
+            gk_triangle_light_pdf(&triangle, s.distance, gk_abs(gk_dot(s.wi, n)), 0.25f);
         assert_within(hit / s.pdf - 1, 1e-4);
         assert_true(!s.delta && s.triangle == 5);
     }

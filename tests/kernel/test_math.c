@@ -18,15 +18,42 @@ static double worst_ulp(function *f, reference *exact, float lo, float hi, uint3
     return worst;
 }
 
-static float sqrt_(float x) { return gk_sqrt(x); }
-static float rsqrt(float x) { return gk_rsqrt(x); }
-static double exact_rsqrt(double x) { return 1.0 / sqrt(x); }
-static float exp_(float x) { return gk_exp(x); }
-static float exp2_(float x) { return gk_exp2(x); }
-static float log_(float x) { return gk_log(x); }
-static float log2_(float x) { return gk_log2(x); }
-static float floor_(float x) { return gk_floor(x); }
-static float acos_(float x) { return gk_acos(x); }
+static float sqrt_(float x)
+{
+    return gk_sqrt(x);
+}
+static float rsqrt(float x)
+{
+    return gk_rsqrt(x);
+}
+static double exact_rsqrt(double x)
+{
+    return 1.0 / sqrt(x);
+}
+static float exp_(float x)
+{
+    return gk_exp(x);
+}
+static float exp2_(float x)
+{
+    return gk_exp2(x);
+}
+static float log_(float x)
+{
+    return gk_log(x);
+}
+static float log2_(float x)
+{
+    return gk_log2(x);
+}
+static float floor_(float x)
+{
+    return gk_floor(x);
+}
+static float acos_(float x)
+{
+    return gk_acos(x);
+}
 
 static void square_roots_keep_their_bounds(void **state)
 {
@@ -224,8 +251,9 @@ static void normalising_takes_the_extremes(void **state)
 static void what_has_no_direction_becomes_z(void **state)
 {
     (void)state;
-    static const float bad[][3] = {{0, 0, 0}, {-0.0f, 0, -0.0f}, {INFINITY, 1, 1}, {1, -INFINITY, 1},
-                                   {NAN, 1, 1}, {1, NAN, 0}, {0, 0, NAN}, {INFINITY, NAN, 0}};
+    static const float bad[][3] = {{0, 0, 0},         {-0.0f, 0, -0.0f}, {INFINITY, 1, 1},
+                                   {1, -INFINITY, 1}, {NAN, 1, 1},       {1, NAN, 0},
+                                   {0, 0, NAN},       {INFINITY, NAN, 0}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         float x = bad[i][0], y = bad[i][1], z = bad[i][2];
         assert_false(gk_safe_normalise(&x, &y, &z));

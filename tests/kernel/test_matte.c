@@ -25,7 +25,8 @@ static void assert_distinct(const gk_u64 *table, gk_u32 slots)
 {
     for (gk_u32 i = 0; i < slots; i++)
         for (gk_u32 j = 0; j < i; j++)
-            assert_true(!gk_matte_key(table[i]) || gk_matte_key(table[i]) != gk_matte_key(table[j]));
+            assert_true(!gk_matte_key(table[i]) ||
+                        gk_matte_key(table[i]) != gk_matte_key(table[j]));
 }
 
 static void packing_keeps_every_field(void **state)
