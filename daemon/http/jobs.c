@@ -49,8 +49,7 @@ static void check_scene(struct glint_request *r, struct glint_error *err)
 {
     cJSON *json = NULL;
     glint_revision *revision = NULL;
-    if (glint_json_parse(&json, (const char *)r->body.bytes, r->body.length, &glint_json_request,
-                         NULL))
+    if (glint_json_parse(&json, glint_body_text(r), r->body.length, &glint_json_request, NULL))
         return;
     const char *scene = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, "scene"));
     if (scene && glint_store_get(r->http->store, scene, &revision, NULL))
@@ -70,8 +69,7 @@ void glint_http_jobs_post(struct glint_request *r)
     if (key && !is_key(key))
         glint_fail(&err, GLINT_E_RANGE, "",
                    "Idempotency-Key: 1 to %d visible ASCII characters are needed", MAX_KEY);
-    const glint_status st =
-        glint_job_parse(&job, (const char *)r->body.bytes, r->body.length, &err);
+    const glint_status st = glint_job_parse(&job, glint_body_text(r), r->body.length, &err);
     if (st != GLINT_E_SYNTAX && st != GLINT_E_TOO_LARGE)
         check_scene(r, &err);
     if (!err.count)
@@ -89,8 +87,7 @@ void glint_http_jobs_post(struct glint_request *r)
 void glint_http_jobs_patch(struct glint_request *r)
 {
     struct glint_error err = {0};
-    if (glint_jobs_patch(r->http->jobs, r->argument[0], (const char *)r->body.bytes,
-                         r->body.length, &err))
+    if (glint_jobs_patch(r->http->jobs, r->argument[0], glint_body_text(r), r->body.length, &err))
         glint_answer_error(r, &err);
     else
         answer_job(r, MHD_HTTP_OK, r->argument[0]);

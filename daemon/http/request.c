@@ -140,13 +140,26 @@ static bool local_host(const char *host)
     return n && (!host[n] || host[n] == ':');
 }
 
+// Who frames a body in two ways, or in one that the library reads to the end of the connection, may
+// mean to hide a request in it.
+static bool framed_well(struct glint_request *r)
+{
+    const char *coding = glint_request_header(r, "Transfer-Encoding");
+    return !coding ||
+           (!strcasecmp(coding, "chunked") && !glint_request_header(r, "Content-Length"));
+}
+
 static void check_header(struct glint_request *r, const char *url, const char *method,
                          const char *version)
 {
     struct glint_error err = {0};
     const char *host = glint_request_header(r, "Host");
-    if (!host && strcmp(version, MHD_HTTP_VERSION_1_0)) {
+    if (!host && strcmp(version, MHD_HTTP_VERSION_1_0))
         glint_fail(&err, GLINT_E_SYNTAX, "", "there is no Host");
+    if (!framed_well(r))
+        glint_fail(&err, GLINT_E_SYNTAX, "",
+                   "a body has a Content-Length or the Transfer-Encoding chunked");
+    if (err.count) {
         glint_answer_error(r, &err);
         return;
     }

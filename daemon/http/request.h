@@ -96,6 +96,10 @@ bool glint_body_add(struct glint_request *r, const char *bytes, size_t size);
 // The body is complete: maps it. False: an answer is ready.
 bool glint_body_finish(struct glint_request *r);
 void glint_body_free(struct glint_request *r);
+static inline const char *glint_body_text(const struct glint_request *r)
+{
+    return r->body.length ? (const char *)r->body.bytes : "";
+}
 // Bytes that the route takes, 0: no body.
 size_t glint_body_limit(const struct glint_request *r);
 // Checks the header of a request that has a body; false: an answer is ready.
