@@ -4,6 +4,10 @@ noinst_LIBRARIES += libglintdaemon.a
 libglintdaemon_a_SOURCES = \
 	daemon/base/clock.c \
 	daemon/base/clock.h \
+	daemon/base/folders.c \
+	daemon/base/folders.h \
+	daemon/base/listen.c \
+	daemon/base/listen.h \
 	daemon/base/log.c \
 	daemon/base/log.h \
 	daemon/base/metrics.c \
@@ -160,5 +164,10 @@ nodist_libglintdaemon_a_SOURCES = kernels/embedded.c protocol/contract.c
 if HAVE_GLINTD
 bin_PROGRAMS += glintd
 endif
-glintd_SOURCES = daemon/main.c
+glintd_SOURCES = \
+	daemon/main.c \
+	daemon/mirror.c \
+	daemon/mirror.h \
+	daemon/options.c \
+	daemon/options.h
 glintd_LDADD = $(DAEMON_LIBS)
