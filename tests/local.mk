@@ -29,6 +29,7 @@ UNIT_TESTS = \
 	tests/unit/test_import \
 	tests/unit/test_import_answer \
 	tests/unit/test_import_gltf \
+	tests/unit/test_import_gltf_scene \
 	tests/unit/test_job \
 	tests/unit/test_json \
 	tests/unit/test_log \
@@ -66,8 +67,10 @@ jobs_fixture = tests/unit/fake_render.c tests/unit/fake_render.h tests/unit/fake
 
 tests_unit_test_import_SOURCES = tests/unit/test_import.c tests/unit/glb_maker.c \
 	tests/unit/glb_maker.h
-tests_unit_test_import_gltf_SOURCES = tests/unit/test_import_gltf.c tests/unit/glb_maker.c \
-	tests/unit/glb_maker.h
+gltf_expect = tests/unit/glb_maker.c tests/unit/glb_maker.h tests/unit/gltf_expect.c \
+	tests/unit/gltf_expect.h
+tests_unit_test_import_gltf_SOURCES = tests/unit/test_import_gltf.c $(gltf_expect)
+tests_unit_test_import_gltf_scene_SOURCES = tests/unit/test_import_gltf_scene.c $(gltf_expect)
 tests_unit_test_scheduler_SOURCES = tests/unit/test_scheduler.c $(jobs_fixture)
 tests_unit_test_store_SOURCES = tests/unit/test_store.c tests/unit/fake_scene.c \
 	tests/unit/fake_scene.h
