@@ -144,25 +144,38 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
 }
 #endif
 
+// What one item knows of its path vertex.
+struct gk_vertex {
+    struct gk_path path;
+    struct gk_hit hit;
+    struct gk_surface surface;
+    struct gk_onb onb;         // around the shading normal
+    struct gk_vec wo;          // local
+    struct gk_vec front, back; // origins lifted off the surface, on the side of wo and beyond
+    struct gk_lane lane;
+    gk_i32 missed;
+    gk_i32 scatters; // hit something and has a bounce left
+};
+
 // Stores the shadow ray of a light sample; its contribution counts if nothing is in the way.
 GK_INLINE void gk_sample_light(__global float *wave, gk_u32 stride, gk_u32 i,
                                const __global struct gk_frame *frame,
                                const struct gk_resident *scene, const struct gk_lights *lights,
-                               const struct gk_path *path, const struct gk_hit *hit,
-                               const struct gk_surface *surface, struct gk_onb onb,
-                               struct gk_vec wo, struct gk_lane lane, struct gk_vec front,
-                               struct gk_vec back, gk_i32 active)
+                               const struct gk_vertex *x)
 {
 #ifdef GK_LIGHTS
+    const struct gk_path *path = &x->path;
     const struct gk_vec p = gk_along(path->o, path->d, path->t);
-    const struct gk_light_sample s = gk_choose_light(frame, scene, lights, lane, path->depth, p);
-    const struct gk_vec wi = gk_to_local(onb, s.wi);
-    const struct gk_bsdf_value value = gk_bsdf_eval(surface, wo, wi);
-    const gk_f32 side = gk_dot(s.wi, hit->ng);
+    const struct gk_light_sample s =
+        gk_choose_light(frame, scene, lights, x->lane, path->depth, p);
+    const struct gk_vec wi = gk_to_local(x->onb, s.wi);
+    const struct gk_bsdf_value value = gk_bsdf_eval(&x->surface, x->wo, wi);
+    const gk_f32 side = gk_dot(s.wi, x->hit.ng);
     const gk_f32 w = s.delta ? 1.0f : gk_mis_weight(s.pdf, value.pdf);
     const struct gk_vec c = gk_scale(gk_mul(gk_mul(path->beta, value.f), s.L), w / s.pdf);
-    const gk_i32 useful = active && side * wi.z > 0.0f && gk_max3(c) > 0.0f && s.distance > 0.0f;
-    const struct gk_vec o = gk_vec_select(back, front, side > 0.0f);
+    const gk_i32 useful =
+        x->scatters && side * wi.z > 0.0f && gk_max3(c) > 0.0f && s.distance > 0.0f;
+    const struct gk_vec o = gk_vec_select(x->back, x->front, side > 0.0f);
     // From the lifted origin to the same target: with p's distance the ray would overshoot it.
     const gk_i32 finite = s.distance < GK_INFINITY;
     const struct gk_vec to = gk_sub(gk_along(p, s.wi, finite ? s.distance : 0.0f), o);
@@ -182,29 +195,124 @@ GK_INLINE void gk_sample_light(__global float *wave, gk_u32 stride, gk_u32 i,
 #endif
 }
 
+// Stores the path's next ray, or none.
+GK_INLINE void gk_sample_bsdf(__global float *wave, gk_u32 stride, gk_u32 i,
+                              const __global struct gk_frame *frame, const struct gk_vertex *x)
+{
+    const gk_u32 depth = x->path.depth;
+    gk_f32 u_lobe, u_roulette, u, v;
+    gk_sample_2d(x->lane.base, x->lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LOBE), &u_lobe,
+                 &u_roulette);
+    gk_sample_2d(x->lane.base, x->lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_BSDF), &u, &v);
+    const struct gk_bsdf_sample s = gk_bsdf_sample(&x->surface, x->wo, u_lobe, u, v);
+    const struct gk_bsdf_value value = gk_bsdf_eval(&x->surface, x->wo, s.wi);
+    const gk_f32 inverse = value.pdf > 1e-30f ? 1.0f / value.pdf : 0.0f;
+    const struct gk_vec weight = gk_vec_select(gk_scale(value.f, inverse), s.weight, s.delta);
+    const struct gk_vec d = gk_normalise(gk_to_world(x->onb, s.wi));
+    const gk_f32 side = gk_dot(d, x->hit.ng);
+    const gk_f32 strongest = gk_max3(weight);
+
+    // One roulette rule for all jobs, blind to mattes: survive with q >= min(1, mean weight).
+    const gk_f32 q = depth >= frame->roulette_start ? gk_min(strongest, 1.0f) : 1.0f;
+    const gk_i32 alive =
+        x->scatters && side * s.wi.z > 0.0f && strongest > 0.0f && u_roulette < q;
+    const struct gk_vec beta = gk_scale(gk_mul(x->path.beta, weight), 1.0f / gk_max(q, 1e-30f));
+    const struct gk_vec o = gk_vec_select(x->back, x->front, side > 0.0f);
+    GK_STORE(GK_COL_OX, i, o.x);
+    GK_STORE(GK_COL_OY, i, o.y);
+    GK_STORE(GK_COL_OZ, i, o.z);
+    GK_STORE(GK_COL_DX, i, d.x);
+    GK_STORE(GK_COL_DY, i, d.y);
+    GK_STORE(GK_COL_DZ, i, d.z);
+    GK_STORE(GK_COL_T, i, alive ? GK_INFINITY : -GK_INFINITY);
+    GK_STORE(GK_COL_BETA_R, i, beta.x);
+    GK_STORE(GK_COL_BETA_G, i, beta.y);
+    GK_STORE(GK_COL_BETA_B, i, beta.z);
+    GK_STORE(GK_COL_PDF, i, s.delta ? -1.0f : value.pdf);
+    GK_STORE_U32(GK_COL_DEPTH, i, depth + 1u);
+    GK_STORE_U32(GK_COL_GEOMETRY, i, GK_NONE);
+    GK_STORE_U32(GK_COL_INSTANCE, i, GK_NONE);
+}
+
 // The first hit of a camera ray, for mattes, alpha and AOVs.
 GK_INLINE void gk_store_first_hit(__global float *wave, gk_u32 stride,
                                   const __global struct gk_frame *frame,
-                                  const struct gk_resident *scene, const struct gk_path *path,
-                                  const struct gk_hit *hit, const struct gk_surface *surface,
-                                  gk_i32 missed)
+                                  const struct gk_resident *scene, const struct gk_vertex *x)
 {
-    const gk_u32 lane = path->lane;
-    const gk_u32 key = missed ? GK_MATTE_BACKGROUND : scene->instance[hit->instance].matte;
+    const gk_u32 lane = x->path.lane;
+    const gk_i32 missed = x->missed;
+    const gk_u32 key = missed ? GK_MATTE_BACKGROUND : scene->instance[x->hit.instance].matte;
     GK_STORE_U32(GK_COL_KEY, lane, key);
 #ifdef GK_AOVS
     const struct gk_vec forward = gk_vec(frame->forward[0], frame->forward[1], frame->forward[2]);
-    GK_STORE(GK_COL_Z, lane, missed ? 1e30f : path->t * gk_dot(path->d, forward));
-    GK_STORE(GK_COL_FNX, lane, missed ? 0.0f : hit->ns.x);
-    GK_STORE(GK_COL_FNY, lane, missed ? 0.0f : hit->ns.y);
-    GK_STORE(GK_COL_FNZ, lane, missed ? 0.0f : hit->ns.z);
-    GK_STORE(GK_COL_AR, lane, missed ? 0.0f : surface->base.x);
-    GK_STORE(GK_COL_AG, lane, missed ? 0.0f : surface->base.y);
-    GK_STORE(GK_COL_AB, lane, missed ? 0.0f : surface->base.z);
+    GK_STORE(GK_COL_Z, lane, missed ? 1e30f : x->path.t * gk_dot(x->path.d, forward));
+    GK_STORE(GK_COL_FNX, lane, missed ? 0.0f : x->hit.ns.x);
+    GK_STORE(GK_COL_FNY, lane, missed ? 0.0f : x->hit.ns.y);
+    GK_STORE(GK_COL_FNZ, lane, missed ? 0.0f : x->hit.ns.z);
+    GK_STORE(GK_COL_AR, lane, missed ? 0.0f : x->surface.base.x);
+    GK_STORE(GK_COL_AG, lane, missed ? 0.0f : x->surface.base.y);
+    GK_STORE(GK_COL_AB, lane, missed ? 0.0f : x->surface.base.z);
 #else
     (void)frame;
-    (void)surface;
 #endif
+}
+
+// Light that the path's last direction found: emitted at the hit, or from beyond the scene.
+GK_INLINE void gk_add_found(__global float *wave, gk_u32 stride,
+                            const __global struct gk_frame *frame, const struct gk_resident *scene,
+                            const struct gk_lights *lights, const struct gk_vertex *x)
+{
+    const struct gk_vec emitted = gk_found_emission(frame, scene, lights, &x->path, &x->hit);
+    const struct gk_vec beyond = gk_miss_radiance(frame, lights, &x->path);
+    const struct gk_vec seen = gk_mul(x->path.beta, gk_vec_select(emitted, beyond, x->missed));
+    const gk_u32 lane = x->path.lane;
+    GK_STORE(GK_COL_LR, lane, GK_LOAD(GK_COL_LR, lane) + seen.x);
+    GK_STORE(GK_COL_LG, lane, GK_LOAD(GK_COL_LG, lane) + seen.y);
+    GK_STORE(GK_COL_LB, lane, GK_LOAD(GK_COL_LB, lane) + seen.z);
+}
+
+GK_INLINE struct gk_vertex gk_vertex_load(const __global float *wave, gk_u32 stride, gk_u32 i,
+                                          const __global struct gk_frame *frame,
+                                          const __global struct gk_wave_rect *rect,
+                                          const struct gk_resident *scene)
+{
+    struct gk_vertex x;
+    x.path = gk_path_load(wave, stride, i);
+    struct gk_raw_hit raw = gk_raw_hit_load(wave, stride, i);
+    x.missed = raw.geometry == GK_NONE;
+    // A miss shades the first triangle of the scene and throws the result away: no divergence.
+    raw.geometry = x.missed ? 0u : raw.geometry;
+    raw.instance = x.missed ? GK_NONE : raw.instance;
+    raw.primitive = x.missed ? 0u : raw.primitive;
+    x.hit = gk_hit_decode(scene, raw, x.path.d);
+    x.onb = gk_onb_make(x.hit.ns);
+    x.wo = gk_to_local(x.onb, gk_negate(x.path.d));
+    x.wo.z = gk_max(x.wo.z, 1e-6f);
+    x.surface = gk_hit_surface(scene, &x.hit, gk_min(x.wo.z, 1.0f));
+    const struct gk_vec p = gk_along(x.path.o, x.path.d, x.path.t);
+    const gk_f32 lift = gk_point_error(p, x.path.t);
+    x.front = gk_along(p, x.hit.ng, lift);
+    x.back = gk_along(p, x.hit.ng, -lift);
+    x.lane = gk_lane_at(rect, x.path.lane, frame->seed);
+    x.scatters = !x.missed && x.path.depth < frame->max_bounces;
+    return x;
+}
+
+GK_INLINE struct gk_environment gk_environment_of(const __global struct gk_frame *frame,
+                                                  const __global struct gk_env_texel *texels,
+                                                  const __global struct gk_env_cell *cells)
+{
+    struct gk_environment e;
+    e.texel = texels;
+    e.cell = cells;
+    e.width = (gk_i32)frame->env_width;
+    e.height = (gk_i32)frame->env_height;
+    e.cell_width = (gk_i32)frame->env_cell_width;
+    e.cell_height = (gk_i32)frame->env_cell_height;
+    e.cosine = frame->env_cos;
+    e.sine = frame->env_sin;
+    e.factor = gk_vec(frame->environment[0], frame->environment[1], frame->environment[2]);
+    return e;
 }
 
 __kernel void shade_surface(
@@ -228,82 +336,12 @@ __kernel void shade_surface(
         return;
     const struct gk_resident scene = {triangles, tangents, instances, materials,
                                       {textures, pool0, pool1, pool2, pool3, decode}};
-    struct gk_lights lights;
-    lights.light = light_table;
-    lights.alias = alias;
-    lights.environment.texel = env_texels;
-    lights.environment.cell = env_cells;
-    lights.environment.width = (gk_i32)frame->env_width;
-    lights.environment.height = (gk_i32)frame->env_height;
-    lights.environment.cell_width = (gk_i32)frame->env_cell_width;
-    lights.environment.cell_height = (gk_i32)frame->env_cell_height;
-    lights.environment.cosine = frame->env_cos;
-    lights.environment.sine = frame->env_sin;
-    lights.environment.factor =
-        gk_vec(frame->environment[0], frame->environment[1], frame->environment[2]);
-
-    const struct gk_path path = gk_path_load(wave, stride, i);
-    struct gk_raw_hit raw = gk_raw_hit_load(wave, stride, i);
-    const gk_i32 missed = raw.geometry == GK_NONE;
-    // A miss shades the first triangle of the scene and throws the result away: no divergence.
-    raw.geometry = missed ? 0u : raw.geometry;
-    raw.instance = missed ? GK_NONE : raw.instance;
-    raw.primitive = missed ? 0u : raw.primitive;
-
-    const struct gk_hit hit = gk_hit_decode(&scene, raw, path.d);
-    const struct gk_onb onb = gk_onb_make(hit.ns);
-    struct gk_vec wo = gk_to_local(onb, gk_negate(path.d));
-    wo.z = gk_max(wo.z, 1e-6f);
-    const struct gk_surface surface = gk_hit_surface(&scene, &hit, gk_min(wo.z, 1.0f));
-
-    if (path.depth == 0u)
-        gk_store_first_hit(wave, stride, frame, &scene, &path, &hit, &surface, missed);
-
-    const struct gk_vec found = gk_vec_select(gk_found_emission(frame, &scene, &lights, &path, &hit),
-                                              gk_miss_radiance(frame, &lights, &path), missed);
-    const struct gk_vec seen = gk_mul(path.beta, found);
-    GK_STORE(GK_COL_LR, path.lane, GK_LOAD(GK_COL_LR, path.lane) + seen.x);
-    GK_STORE(GK_COL_LG, path.lane, GK_LOAD(GK_COL_LG, path.lane) + seen.y);
-    GK_STORE(GK_COL_LB, path.lane, GK_LOAD(GK_COL_LB, path.lane) + seen.z);
-
-    const struct gk_vec p = gk_along(path.o, path.d, path.t);
-    const gk_f32 lift = gk_point_error(p, path.t);
-    const struct gk_vec front = gk_along(p, hit.ng, lift);
-    const struct gk_vec back = gk_along(p, hit.ng, -lift);
-    const gk_i32 scatters = !missed && path.depth < frame->max_bounces;
-    const struct gk_lane lane = gk_lane_at(rect, path.lane, frame->seed);
-    gk_sample_light(wave, stride, i, frame, &scene, &lights, &path, &hit, &surface, onb, wo, lane,
-                    front, back, scatters);
-
-    gk_f32 u_lobe, u_roulette, u, v;
-    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(path.depth, GK_PAIR_LOBE), &u_lobe,
-                 &u_roulette);
-    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(path.depth, GK_PAIR_BSDF), &u, &v);
-    const struct gk_bsdf_sample s = gk_bsdf_sample(&surface, wo, u_lobe, u, v);
-    const struct gk_bsdf_value value = gk_bsdf_eval(&surface, wo, s.wi);
-    const gk_f32 inverse = value.pdf > 1e-30f ? 1.0f / value.pdf : 0.0f;
-    const struct gk_vec weight = gk_vec_select(gk_scale(value.f, inverse), s.weight, s.delta);
-    const struct gk_vec d = gk_normalise(gk_to_world(onb, s.wi));
-    const gk_f32 side = gk_dot(d, hit.ng);
-    const gk_f32 strongest = gk_max3(weight);
-
-    // One roulette rule for all jobs, blind to mattes: survive with q >= min(1, mean weight).
-    const gk_f32 q = path.depth >= frame->roulette_start ? gk_min(strongest, 1.0f) : 1.0f;
-    const gk_i32 alive = scatters && side * s.wi.z > 0.0f && strongest > 0.0f && u_roulette < q;
-    const struct gk_vec beta = gk_scale(gk_mul(path.beta, weight), 1.0f / gk_max(q, 1e-30f));
-    const struct gk_vec o = gk_vec_select(back, front, side > 0.0f);
-    GK_STORE(GK_COL_OX, i, o.x);
-    GK_STORE(GK_COL_OY, i, o.y);
-    GK_STORE(GK_COL_OZ, i, o.z);
-    GK_STORE(GK_COL_DX, i, d.x);
-    GK_STORE(GK_COL_DY, i, d.y);
-    GK_STORE(GK_COL_DZ, i, d.z);
-    GK_STORE(GK_COL_T, i, alive ? GK_INFINITY : -GK_INFINITY);
-    GK_STORE(GK_COL_BETA_R, i, beta.x);
-    GK_STORE(GK_COL_BETA_G, i, beta.y);
-    GK_STORE(GK_COL_BETA_B, i, beta.z);
-    GK_STORE(GK_COL_PDF, i, s.delta ? -1.0f : value.pdf);
-    GK_STORE_U32(GK_COL_DEPTH, i, path.depth + 1u);
-    GK_STORE_U32(GK_COL_GEOMETRY, i, GK_NONE);
-    GK_STORE_U32(GK_COL_INSTANCE, i, GK_NONE);
+    const struct gk_lights lights = {light_table, alias,
+                                     gk_environment_of(frame, env_texels, env_cells)};
+    const struct gk_vertex x = gk_vertex_load(wave, stride, i, frame, rect, &scene);
+    if (x.path.depth == 0u)
+        gk_store_first_hit(wave, stride, frame, &scene, &x);
+    gk_add_found(wave, stride, frame, &scene, &lights, &x);
+    gk_sample_light(wave, stride, i, frame, &scene, &lights, &x);
+    gk_sample_bsdf(wave, stride, i, frame, &x);
 }
