@@ -19,12 +19,16 @@ static uint32_t component_bytes(uint32_t type)
 {
     switch (type) {
     case GLTF_I8:
-    case GLTF_U8: return 1;
+    case GLTF_U8:
+        return 1;
     case GLTF_I16:
-    case GLTF_U16: return 2;
+    case GLTF_U16:
+        return 2;
     case GLTF_U32:
-    case GLTF_F32: return 4;
-    default: return 0;
+    case GLTF_F32:
+        return 4;
+    default:
+        return 0;
     }
 }
 
@@ -133,9 +137,14 @@ static uint32_t unsigned_at(const uint8_t *p, uint32_t type)
     uint16_t h;
     uint32_t w;
     switch (type) {
-    case GLTF_U8: return *p;
-    case GLTF_U16: memcpy(&h, p, 2); return h;
-    default: memcpy(&w, p, 4); return w;
+    case GLTF_U8:
+        return *p;
+    case GLTF_U16:
+        memcpy(&h, p, 2);
+        return h;
+    default:
+        memcpy(&w, p, 4);
+        return w;
     }
 }
 
@@ -145,14 +154,22 @@ static float float_at(const uint8_t *p, uint32_t type, bool normalized)
     int16_t s;
     float f;
     switch (type) {
-    case GLTF_F32: memcpy(&f, p, 4); return f;
-    case GLTF_I8: memcpy(&b, p, 1); return normalized ? fmaxf((float)b / 127, -1) : (float)b;
-    case GLTF_I16: memcpy(&s, p, 2); return normalized ? fmaxf((float)s / 32767, -1) : (float)s;
-    case GLTF_U8: return normalized ? (float)*p / 255 : (float)*p;
+    case GLTF_F32:
+        memcpy(&f, p, 4);
+        return f;
+    case GLTF_I8:
+        memcpy(&b, p, 1);
+        return normalized ? fmaxf((float)b / 127, -1) : (float)b;
+    case GLTF_I16:
+        memcpy(&s, p, 2);
+        return normalized ? fmaxf((float)s / 32767, -1) : (float)s;
+    case GLTF_U8:
+        return normalized ? (float)*p / 255 : (float)*p;
     case GLTF_U16:
         f = (float)unsigned_at(p, type);
         return normalized ? f / 65535 : f;
-    default: return (float)unsigned_at(p, type);
+    default:
+        return (float)unsigned_at(p, type);
     }
 }
 
@@ -173,8 +190,8 @@ bool glint_gltf_accessor_fault(struct glint_gltf *g, const struct glint_gltf_acc
 static bool sparse_target(struct glint_gltf *g, const struct glint_gltf_accessor *a, uint32_t k,
                           uint32_t *target)
 {
-    *target = unsigned_at(a->sparse_index + (size_t)k * component_bytes(a->sparse_type),
-                          a->sparse_type);
+    *target =
+        unsigned_at(a->sparse_index + (size_t)k * component_bytes(a->sparse_type), a->sparse_type);
     return *target < a->count ||
            glint_gltf_accessor_fault(g, a, "sparse index %u is %u; there are %u elements", k,
                                      *target, a->count);

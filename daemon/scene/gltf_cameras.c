@@ -33,8 +33,8 @@ static void add_camera(struct glint_gltf *g, const struct glint_json *at, uint32
     if (!glint_json_require(&type) || !glint_json_choice(&type, types, &choice))
         return;
     if (choice) {
-        glint_gltf_note(g, "orthographic camera", "camera \"%.200s\" is orthographic; it is left out",
-                        c->name);
+        glint_gltf_note(g, "orthographic camera",
+                        "camera \"%.200s\" is orthographic; it is left out", c->name);
         return;
     }
     if (!glint_json_require(&yfov) || !glint_json_float(&yfov, SMALLEST, PI_BELOW, &c->yfov))
@@ -53,7 +53,8 @@ static void add_camera(struct glint_gltf *g, const struct glint_json *at, uint32
 
 void glint_gltf_read_cameras(struct glint_gltf *g)
 {
-    g->scene->camera = glint_arena_array(&g->scene->arena, g->reached + 2, sizeof *g->scene->camera);
+    g->scene->camera =
+        glint_arena_array(&g->scene->arena, g->reached + 2, sizeof *g->scene->camera);
     if (!g->scene->camera) {
         glint_gltf_nomem(g);
         return;

@@ -45,7 +45,8 @@ static glint_status read_chunk(struct glint_gltf *g, const uint8_t *bytes, size_
                           length, size - *at - 8);
     if (length % 4)
         return glint_fail(g->err, GLINT_E_SYNTAX, "",
-                          "the chunk at byte %zu has a length of %u, no multiple of 4", *at, length);
+                          "the chunk at byte %zu has a length of %u, no multiple of 4", *at,
+                          length);
     *data = (struct glint_gltf_span){bytes + *at + 8, length};
     *at += 8 + (size_t)length;
     return GLINT_OK;

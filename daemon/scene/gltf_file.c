@@ -8,12 +8,10 @@ static const struct glint_json_limits limits = {
     .bytes = (size_t)512 << 20, .depth = 64, .values = 8000000};
 
 static const char *const list_name[GLTF_KINDS] = {
-    [GLTF_ACCESSORS] = "accessors", [GLTF_ANIMATIONS] = "animations",
-    [GLTF_BUFFERS] = "buffers",     [GLTF_VIEWS] = "bufferViews",
-    [GLTF_CAMERAS] = "cameras",     [GLTF_IMAGES] = "images",
-    [GLTF_MATERIALS] = "materials", [GLTF_MESHES] = "meshes",
-    [GLTF_NODES] = "nodes",         [GLTF_SAMPLERS] = "samplers",
-    [GLTF_SCENES] = "scenes",       [GLTF_SKINS] = "skins",
+    [GLTF_ACCESSORS] = "accessors", [GLTF_ANIMATIONS] = "animations", [GLTF_BUFFERS] = "buffers",
+    [GLTF_VIEWS] = "bufferViews",   [GLTF_CAMERAS] = "cameras",       [GLTF_IMAGES] = "images",
+    [GLTF_MATERIALS] = "materials", [GLTF_MESHES] = "meshes",         [GLTF_NODES] = "nodes",
+    [GLTF_SAMPLERS] = "samplers",   [GLTF_SCENES] = "scenes",         [GLTF_SKINS] = "skins",
     [GLTF_TEXTURES] = "textures",
 };
 
@@ -108,9 +106,12 @@ static void check_version(struct glint_gltf *g)
 
 // What a file may insist on.
 static const char *const understood[] = {
-    "KHR_lights_punctual",        "KHR_materials_emissive_strength",
-    "KHR_materials_ior",          "KHR_materials_transmission",
-    "KHR_materials_volume",       "KHR_mesh_quantization",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
     NULL,
 };
 
@@ -134,8 +135,8 @@ static void check_required(struct glint_gltf *g)
 
 glint_status glint_gltf_open(struct glint_gltf *g)
 {
-    const glint_status st = glint_json_parse(&g->tree, (const char *)g->json.bytes, g->json.size,
-                                             &limits, g->err);
+    const glint_status st =
+        glint_json_parse(&g->tree, (const char *)g->json.bytes, g->json.size, &limits, g->err);
     if (st)
         return st;
     g->root = glint_json_root(g->tree, g->err);

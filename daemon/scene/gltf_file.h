@@ -7,12 +7,14 @@
 
 // --- names
 
+struct glint_gltf_name {
+    const char *text; // NULL: free
+    uint32_t value;
+};
+
 // A set of strings, each with a number that starts at 0. Zero-initialise before use.
 struct glint_gltf_names {
-    struct glint_gltf_name {
-        const char *text; // NULL: free
-        uint32_t value;
-    } *slot;
+    struct glint_gltf_name *slot;
     uint32_t used, capacity;
 };
 
@@ -29,8 +31,19 @@ void glint_gltf_names_finish(struct glint_gltf_names *names);
 // --- the file
 
 enum glint_gltf_kind {
-    GLTF_ACCESSORS, GLTF_ANIMATIONS, GLTF_BUFFERS, GLTF_VIEWS, GLTF_CAMERAS, GLTF_IMAGES,
-    GLTF_MATERIALS, GLTF_MESHES, GLTF_NODES, GLTF_SAMPLERS, GLTF_SCENES, GLTF_SKINS, GLTF_TEXTURES,
+    GLTF_ACCESSORS,
+    GLTF_ANIMATIONS,
+    GLTF_BUFFERS,
+    GLTF_VIEWS,
+    GLTF_CAMERAS,
+    GLTF_IMAGES,
+    GLTF_MATERIALS,
+    GLTF_MESHES,
+    GLTF_NODES,
+    GLTF_SAMPLERS,
+    GLTF_SCENES,
+    GLTF_SKINS,
+    GLTF_TEXTURES,
     GLTF_KINDS
 };
 
@@ -48,26 +61,34 @@ struct glint_gltf_span {
 
 struct glint_gltf_view {
     struct glint_gltf_span data; // bytes NULL: its buffer has none
-    uint32_t stride; // 0: not given
+    uint32_t stride;             // 0: not given
 };
 
 // A node that the scene reaches.
 struct glint_gltf_node {
-    uint32_t parent;  // GLINT_NONE: a root
+    uint32_t parent; // GLINT_NONE: a root
     uint32_t depth;
     bool reached;
-    double world[16]; // column-major
-    const char *name; // as authored, may be ""
+    double world[16];  // column-major
+    const char *name;  // as authored, may be ""
     const char *asset; // extras.asset of the node or of the nearest node above it, or NULL
 };
 
-enum glint_gltf_ids { GLTF_ID_IMAGE, GLTF_ID_MATERIAL, GLTF_ID_MESH, GLTF_ID_OBJECT,
-                      GLTF_ID_INSTANCE, GLTF_ID_LIGHT, GLTF_ID_CAMERA, GLTF_ID_KINDS };
+enum glint_gltf_ids {
+    GLTF_ID_IMAGE,
+    GLTF_ID_MATERIAL,
+    GLTF_ID_MESH,
+    GLTF_ID_OBJECT,
+    GLTF_ID_INSTANCE,
+    GLTF_ID_LIGHT,
+    GLTF_ID_CAMERA,
+    GLTF_ID_KINDS
+};
 
 struct glint_gltf {
     struct glint_error *err;
-    struct glint_scene *scene;   // being built
-    struct glint_arena scratch;  // lives as long as this
+    struct glint_scene *scene;        // being built
+    struct glint_arena scratch;       // lives as long as this
     struct glint_gltf_span json, bin; // of the file; bin.bytes is NULL where there is none
     cJSON *tree;
     struct glint_json root;
@@ -80,9 +101,9 @@ struct glint_gltf {
     uint32_t reached;
     struct glint_texture *texture; // of each glTF texture, once read
     bool *texture_read;
-    uint32_t *image;   // scene image of each glTF image, once decoded
+    uint32_t *image; // scene image of each glTF image, once decoded
     bool *image_read;
-    float *reach; // largest |coordinate| of each scene mesh
+    float *reach;              // largest |coordinate| of each scene mesh
     uint32_t default_material; // GLINT_NONE until a primitive needs it
     struct glint_gltf_names ids[GLTF_ID_KINDS];
     struct glint_gltf_names noted;
@@ -128,13 +149,13 @@ void glint_gltf_notes_end(struct glint_gltf *g);
 
 // --- gltf_accessor.c
 struct glint_gltf_accessor {
-    uint32_t number; // in the file
+    uint32_t number;                  // in the file
     uint32_t count, components, type; // type: componentType
     bool normalized;
-    uint32_t view; // GLINT_NONE: zeros
-    size_t offset; // in the view
+    uint32_t view;          // GLINT_NONE: zeros
+    size_t offset;          // in the view
     size_t element, stride; // bytes
-    uint32_t sparse; // elements replaced
+    uint32_t sparse;        // elements replaced
     uint32_t sparse_type;
     const uint8_t *sparse_index, *sparse_value;
 };

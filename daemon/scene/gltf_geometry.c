@@ -128,7 +128,8 @@ static void clean_uvs(struct glint_gltf *g, struct glint_mesh *m, const char *na
         }
     if (bad)
         glint_gltf_note(g, "texture coordinates without a value",
-                        "some texture coordinates of mesh \"%.200s\" are not finite; 0 is used", name);
+                        "some texture coordinates of mesh \"%.200s\" are not finite; 0 is used",
+                        name);
 }
 
 void glint_gltf_clean_mesh(struct glint_gltf *g, uint32_t mesh,

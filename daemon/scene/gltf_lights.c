@@ -64,8 +64,7 @@ static void add_light(struct glint_gltf *g, const struct glint_json *at, uint32_
                         "light \"%.200s\" has no place or direction and is left out", l->name);
 }
 
-static bool list_lights(struct glint_gltf *g, struct glint_json hold[2],
-                        struct glint_gltf_list *l)
+static bool list_lights(struct glint_gltf *g, struct glint_json hold[2], struct glint_gltf_list *l)
 {
     size_t count = 0;
     if (glint_gltf_extension(&g->root, "KHR_lights_punctual", hold)) {

@@ -9,8 +9,11 @@
 #include <string.h>
 
 static const char *const known[] = {
-    "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_transmission",
-    "KHR_materials_volume", NULL,
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
+    NULL,
 };
 
 static void read_base(struct glint_gltf *g, const struct glint_json *at, struct glint_material *m)
@@ -86,8 +89,8 @@ static void read_ior(struct glint_gltf *g, const struct glint_json *at, struct g
     }
     if (value == 0 || value > 10)
         glint_gltf_note(g, "index of refraction",
-                        "the index of refraction of material \"%.200s\" is %g; 10 is used",
-                        m->name, (double)value);
+                        "the index of refraction of material \"%.200s\" is %g; 10 is used", m->name,
+                        (double)value);
     m->ior = value == 0 ? 10 : fminf(value, 10); // 0 stands for infinity
 }
 
@@ -185,7 +188,8 @@ static bool prepare(struct glint_gltf *g)
         glint_arena_array(&g->scene->arena, materials + 1, sizeof *g->scene->material);
     g->default_material = GLINT_NONE;
     return (g->image && g->image_read && g->texture && g->texture_read && g->scene->image &&
-            g->scene->material) || glint_gltf_nomem(g);
+            g->scene->material) ||
+           glint_gltf_nomem(g);
 }
 
 void glint_gltf_read_materials(struct glint_gltf *g)

@@ -77,8 +77,9 @@ double glint_gltf_reach(const float m[16], float reach)
 {
     double most = 0;
     for (int k = 0; k < 3; k++)
-        most = fmax(most, (fabs((double)m[k]) + fabs((double)m[4 + k]) + fabs((double)m[8 + k])) *
-                                  reach + fabs((double)m[12 + k]));
+        most = fmax(most,
+                    (fabs((double)m[k]) + fabs((double)m[4 + k]) + fabs((double)m[8 + k])) * reach +
+                        fabs((double)m[12 + k]));
     return most;
 }
 

@@ -22,7 +22,7 @@ struct meshes {
     struct mesh *mesh; // of each glTF mesh
     struct glint_gltf_geometry *geometry;
     uint32_t geometries, capacity;
-    struct glint_gltf_names keys; // accessors of a geometry -> its index + 1
+    struct glint_gltf_names keys;  // accessors of a geometry -> its index + 1
     struct glint_gltf_names names; // of the nodes that show a mesh -> how many have it
 };
 
@@ -95,8 +95,8 @@ static uint32_t *find_key(struct meshes *m, const struct glint_json *at, uint32_
     char key[160];
     int n = snprintf(key, sizeof key, "%u", mode);
     for (int i = 0; i < 5; i++) {
-        const struct glint_json v = i < 4 ? glint_json_member(&a, names[i])
-                                          : glint_json_member(at, "indices");
+        const struct glint_json v =
+            i < 4 ? glint_json_member(&a, names[i]) : glint_json_member(at, "indices");
         n += snprintf(key + n, sizeof key - (size_t)n, " %.10g",
                       cJSON_IsNumber(v.value) ? v.value->valuedouble : -1.0);
     }
@@ -241,9 +241,10 @@ static void add_instance(struct meshes *m, const struct primitive *p, uint32_t o
     struct glint_gltf *g = m->g;
     const double reach = glint_gltf_reach(transform, g->reach[p->geometry]);
     if (reach > GLINT_MAX_COORDINATE) {
-        glint_fail(g->err, GLINT_E_RANGE, "/nodes", "node \"%.200s\" reaches to %g metres; the "
-                   "limit is %g", g->scene->object[object].name, reach,
-                   (double)GLINT_MAX_COORDINATE);
+        glint_fail(g->err, GLINT_E_RANGE, "/nodes",
+                   "node \"%.200s\" reaches to %g metres; the "
+                   "limit is %g",
+                   g->scene->object[object].name, reach, (double)GLINT_MAX_COORDINATE);
         return;
     }
     struct glint_instance *in = &g->scene->instance[g->scene->instances];
@@ -355,8 +356,8 @@ static bool name_meshes(struct meshes *m)
     if (!s->mesh || !m->g->reach)
         return glint_gltf_nomem(m->g);
     for (uint32_t i = 0; i < m->geometries; i++) {
-        s->mesh[i].id = glint_gltf_names_id(&m->g->ids[GLTF_ID_MESH], &s->arena,
-                                            m->geometry[i].name);
+        s->mesh[i].id =
+            glint_gltf_names_id(&m->g->ids[GLTF_ID_MESH], &s->arena, m->geometry[i].name);
         if (!s->mesh[i].id)
             return glint_gltf_nomem(m->g);
     }
@@ -373,7 +374,8 @@ static void read_all(struct meshes *m)
     glint_gltf_read_geometry(g, m->geometry, m->geometries);
     if (g->err->status)
         return;
-    g->scene->object = glint_arena_array(&g->scene->arena, g->reached + 1, sizeof *g->scene->object);
+    g->scene->object =
+        glint_arena_array(&g->scene->arena, g->reached + 1, sizeof *g->scene->object);
     g->scene->instance =
         glint_arena_array(&g->scene->arena, instances + 1, sizeof *g->scene->instance);
     if (!g->scene->object || !g->scene->instance) {

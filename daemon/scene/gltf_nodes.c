@@ -87,8 +87,12 @@ static void read_node(struct glint_gltf *g, uint32_t i, uint32_t parent)
     glint_gltf_ignored(g, &at, "node", n->name, known);
 }
 
+struct step {
+    uint32_t node, parent;
+};
+
 struct stack {
-    struct step { uint32_t node, parent; } *step;
+    struct step *step;
     uint32_t count;
 };
 

@@ -14,10 +14,17 @@ static bool read_wrap(const struct glint_json *sampler, const char *key, enum gl
     if (!glint_json_uint(&at, 0, UINT32_MAX, &mode))
         return false;
     switch (mode) {
-    case 10497: *out = GLINT_WRAP_REPEAT; return true;
-    case 33071: *out = GLINT_WRAP_CLAMP; return true;
-    case 33648: *out = GLINT_WRAP_MIRROR; return true;
-    default: return glint_json_fault(&at, "%u is no wrapping mode", mode);
+    case 10497:
+        *out = GLINT_WRAP_REPEAT;
+        return true;
+    case 33071:
+        *out = GLINT_WRAP_CLAMP;
+        return true;
+    case 33648:
+        *out = GLINT_WRAP_MIRROR;
+        return true;
+    default:
+        return glint_json_fault(&at, "%u is no wrapping mode", mode);
     }
 }
 
@@ -79,8 +86,8 @@ static uint32_t use_image(struct glint_gltf *g, uint32_t i)
     struct glint_image *image = &g->scene->image[g->scene->images];
     *image = (struct glint_image){.width = p.width, .height = p.height, .format = p.format};
     image->pixels = p.pixels;
-    image->id = glint_gltf_names_id(&g->ids[GLTF_ID_IMAGE], &g->scene->arena,
-                                    *name ? name : number);
+    image->id =
+        glint_gltf_names_id(&g->ids[GLTF_ID_IMAGE], &g->scene->arena, *name ? name : number);
     if (!image->id)
         glint_gltf_nomem(g);
     g->image[i] = g->scene->images++;

@@ -16,7 +16,7 @@ typedef struct glint_importer glint_importer;
 enum glint_scene_type { GLINT_SCENE_GLB, GLINT_SCENE_NATIVE };
 
 struct glint_import_limits {
-    size_t memory_bytes;   // of the child
+    size_t memory_bytes; // of the child
     double cpu_seconds;
 };
 
@@ -25,13 +25,13 @@ glint_status glint_importer_create(glint_importer **out, struct glint_error *err
 void glint_importer_destroy(glint_importer **importer);
 
 struct glint_import {
-    char *text;    // canonical native JSON
+    char *text; // canonical native JSON
     size_t length;
     struct glint_asset *asset; // borrow the mapping
     size_t assets;
     char **warning; // about what the file has and the scene has not: "KHR_x on node \"y\": ..."
     size_t warnings;
-    void *mapping;  // memfd
+    void *mapping; // memfd
     size_t mapping_bytes;
     double seconds; // in the child
 };

@@ -169,8 +169,8 @@ static bool read_faults(const struct answer *a, struct glint_error *err)
 
 static bool read_warnings(const struct answer *a, struct glint_import *im)
 {
-    const uint8_t *table = a->base + sizeof a->header +
-                           (size_t)a->header.faults * sizeof(struct fault_row);
+    const uint8_t *table =
+        a->base + sizeof a->header + (size_t)a->header.faults * sizeof(struct fault_row);
     for (uint32_t i = 0; i < a->header.warnings; i++) {
         struct span row;
         memcpy(&row, table + i * sizeof row, sizeof row);
@@ -194,8 +194,8 @@ static bool read_asset(const struct answer *a, const struct asset_row *row, stru
 
 static bool read_assets(const struct answer *a, struct glint_import *im)
 {
-    const uint8_t *table = a->base + tables_end(&a->header) -
-                           (size_t)a->header.assets * sizeof(struct asset_row);
+    const uint8_t *table =
+        a->base + tables_end(&a->header) - (size_t)a->header.assets * sizeof(struct asset_row);
     for (uint32_t i = 0; i < a->header.assets; i++) {
         struct asset_row row;
         memcpy(&row, table + i * sizeof row, sizeof row);

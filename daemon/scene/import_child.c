@@ -11,8 +11,7 @@
 
 glint_status glint_import_decode(enum glint_scene_type type, const uint8_t *bytes, size_t size,
                                  struct glint_scene **scene, struct glint_asset **asset,
-                                 size_t *assets, struct glint_arena *arena,
-                                 struct glint_error *err)
+                                 size_t *assets, struct glint_arena *arena, struct glint_error *err)
 {
     *asset = NULL;
     *assets = 0;

@@ -156,8 +156,8 @@ static void serve(struct helper *h)
     for (int i = 0; i < h->count; i++)
         p[i] = (struct pollfd){.fd = h->child[i].pidfd, .events = POLLIN};
     const int children = h->count;
-    p[children] = (struct pollfd){
-        .fd = children < GLINT_IMPORT_CHILDREN ? h->socket : -1, .events = POLLIN};
+    p[children] =
+        (struct pollfd){.fd = children < GLINT_IMPORT_CHILDREN ? h->socket : -1, .events = POLLIN};
     if (poll(p, (nfds_t)children + 1, children ? 1000 : -1) < 0)
         return;
     for (int i = children - 1; i >= 0; i--) // from the end: reaping moves the last into the gap

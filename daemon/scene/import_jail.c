@@ -42,14 +42,14 @@ static bool limit_resources(const struct glint_import_limits *limits)
 }
 
 static const int allowed[] = {
-    SCMP_SYS(read),         SCMP_SYS(pread64),       SCMP_SYS(write),
-    SCMP_SYS(pwrite64),     SCMP_SYS(lseek),         SCMP_SYS(close),
-    SCMP_SYS(fstat),        SCMP_SYS(brk),           SCMP_SYS(munmap),
-    SCMP_SYS(mremap),       SCMP_SYS(madvise),       SCMP_SYS(futex),
-    SCMP_SYS(exit),         SCMP_SYS(exit_group),    SCMP_SYS(getrandom),
+    SCMP_SYS(read),          SCMP_SYS(pread64),      SCMP_SYS(write),
+    SCMP_SYS(pwrite64),      SCMP_SYS(lseek),        SCMP_SYS(close),
+    SCMP_SYS(fstat),         SCMP_SYS(brk),          SCMP_SYS(munmap),
+    SCMP_SYS(mremap),        SCMP_SYS(madvise),      SCMP_SYS(futex),
+    SCMP_SYS(exit),          SCMP_SYS(exit_group),   SCMP_SYS(getrandom),
     SCMP_SYS(clock_gettime), SCMP_SYS(rt_sigreturn), SCMP_SYS(rt_sigprocmask),
-    SCMP_SYS(rt_sigaction), SCMP_SYS(sigaltstack),   SCMP_SYS(gettid),
-    SCMP_SYS(getpid),       SCMP_SYS(sched_yield),   SCMP_SYS(sysinfo), // qsort of much
+    SCMP_SYS(rt_sigaction),  SCMP_SYS(sigaltstack),  SCMP_SYS(gettid),
+    SCMP_SYS(getpid),        SCMP_SYS(sched_yield),  SCMP_SYS(sysinfo), // qsort of much
 };
 
 // What libraries ask in passing and can do without.

@@ -17,13 +17,13 @@ struct glb_quad {
 extern const struct glb_quad glb_quad_data;
 
 // Accessors 0 position, 1 normal, 2 uv, 3 index of glb_quad_data.
-#define GLB_QUAD \
-    "'asset':{'version':'2.0'},'buffers':[{'byteLength':144}],'bufferViews':[" \
-    "{'buffer':0,'byteLength':48},{'buffer':0,'byteOffset':48,'byteLength':48}," \
+#define GLB_QUAD                                                                                   \
+    "'asset':{'version':'2.0'},'buffers':[{'byteLength':144}],'bufferViews':["                     \
+    "{'buffer':0,'byteLength':48},{'buffer':0,'byteOffset':48,'byteLength':48},"                   \
     "{'buffer':0,'byteOffset':96,'byteLength':32},{'buffer':0,'byteOffset':128,'byteLength':12}]," \
-    "'accessors':[{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'}," \
-    "{'bufferView':1,'componentType':5126,'count':4,'type':'VEC3'}," \
-    "{'bufferView':2,'componentType':5126,'count':4,'type':'VEC2'}," \
+    "'accessors':[{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'},"                  \
+    "{'bufferView':1,'componentType':5126,'count':4,'type':'VEC3'},"                               \
+    "{'bufferView':2,'componentType':5126,'count':4,'type':'VEC2'},"                               \
     "{'bufferView':3,'componentType':5123,'count':6,'type':'SCALAR'}]"
 #define GLB_QUAD_PRIMITIVE "'attributes':{'POSITION':0,'NORMAL':1,'TEXCOORD_0':2},'indices':3"
 #define GLB_QUAD_MESH "'meshes':[{'name':'square','primitives':[{" GLB_QUAD_PRIMITIVE "}]}]"

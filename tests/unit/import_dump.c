@@ -103,13 +103,25 @@ static void print_scene(const char *file, const struct glint_import *im,
     size_t bytes = 0;
     for (size_t i = 0; i < im->assets; i++)
         bytes += im->asset[i].size;
-    const struct { const char *key; double value; } numbers[] = {
-        {"status", 0}, {"triangles", (double)stored(s)}, {"drawn", (double)drawn(s)},
-        {"meshes", s->meshes}, {"objects", s->objects}, {"instances", s->instances},
-        {"materials", s->materials}, {"images", s->images}, {"lights", s->lights},
-        {"cameras", s->cameras}, {"warnings", (double)im->warnings},
-        {"scene_warnings", s->warnings}, {"asset_bytes", (double)bytes},
-        {"child_seconds", im->seconds}, {"seconds", seconds}, {"parse_seconds", parse}};
+    const struct {
+        const char *key;
+        double value;
+    } numbers[] = {{"status", 0},
+                   {"triangles", (double)stored(s)},
+                   {"drawn", (double)drawn(s)},
+                   {"meshes", s->meshes},
+                   {"objects", s->objects},
+                   {"instances", s->instances},
+                   {"materials", s->materials},
+                   {"images", s->images},
+                   {"lights", s->lights},
+                   {"cameras", s->cameras},
+                   {"warnings", (double)im->warnings},
+                   {"scene_warnings", s->warnings},
+                   {"asset_bytes", (double)bytes},
+                   {"child_seconds", im->seconds},
+                   {"seconds", seconds},
+                   {"parse_seconds", parse}};
     struct glint_text t = {0};
     glint_text_add(&t, "{");
     put_string(&t, "file", file);

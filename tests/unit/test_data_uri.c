@@ -47,9 +47,22 @@ static void what_does_not_belong_is_refused(void **state)
 {
     (void)state;
     static const char *const bad[] = {
-        "", "data:", "data:;base64", "http://x/,", "file.png", "data:;base64,Z", "data:;base64,Zg=",
-        "data:;base64,Zg===", "data:;base64,Z=g=", "data:;base64,Zm 9v", "data:;base64,Zm9v\n",
-        "data:;base64,Zm-_", "data:;base64,====", "data:,%", "data:,%1", "data:,%1g",
+        "",
+        "data:",
+        "data:;base64",
+        "http://x/,",
+        "file.png",
+        "data:;base64,Z",
+        "data:;base64,Zg=",
+        "data:;base64,Zg===",
+        "data:;base64,Z=g=",
+        "data:;base64,Zm 9v",
+        "data:;base64,Zm9v\n",
+        "data:;base64,Zm-_",
+        "data:;base64,====",
+        "data:,%",
+        "data:,%1",
+        "data:,%1g",
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct glint_error err = {0};

@@ -124,7 +124,9 @@ static void every_png_colour_type_becomes_rgba8(void **state)
         {1, PNG_COLOR_TYPE_GRAY, {0x40}, {0, 0, 0, 255, 255, 255, 255, 255}},
         {1, PNG_COLOR_TYPE_PALETTE, {0x40}, {10, 20, 30, 0, 40, 50, 60, 255}},
         // 16 bits are rounded: 0x0180 / 257 = 1.49, 0xfe80 / 257 = 253.5
-        {16, PNG_COLOR_TYPE_RGB, {1, 0x80, 0xff, 0xff, 0, 0, 0, 0, 0, 0, 0xfe, 0x90},
+        {16,
+         PNG_COLOR_TYPE_RGB,
+         {1, 0x80, 0xff, 0xff, 0, 0, 0, 0, 0, 0, 0xfe, 0x90},
          {1, 255, 0, 255, 0, 0, 254, 255}},
     };
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
@@ -174,14 +176,16 @@ static void every_cut_of_a_png_is_refused(void **state)
 static void a_png_over_the_limits_is_refused_by_its_header(void **state)
 {
     (void)state;
-    static const uint8_t header[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x40\x01\0\0\0\x01\x08\0\0\0\0";
+    static const uint8_t header[] =
+        "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x40\x01\0\0\0\x01\x08\0\0\0\0";
     uint8_t png[33 + 12];
     memset(png, 0, sizeof png);
     memcpy(png, header, 29);
     refuse(png, sizeof png, "PNG"); // its CRC is wrong as well
     size_t size;
     uint8_t *row = calloc(1, 2048);
-    uint8_t *large = make_png(16384, 8193, 1, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, row, 0, &size);
+    uint8_t *large =
+        make_png(16384, 8193, 1, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, row, 0, &size);
     refuse(large, size, "16384x8193");
     free(large);
     free(row);
@@ -228,7 +232,8 @@ static void every_cut_of_a_jpeg_is_refused(void **state)
     for (size_t i = 0; i < sizeof rows; i++)
         rows[i] = (uint8_t)(i * i >> 3);
     uint8_t *jpeg = make_jpeg(32, 32, 3, JCS_RGB, rows, &size);
-    for (size_t n = 0; n + 2 < size; n += n < 700 ? 1 : 37) { // the end marker itself may be missing
+    for (size_t n = 0; n + 2 < size;
+         n += n < 700 ? 1 : 37) { // the end marker itself may be missing
         uint8_t *cut = malloc(n ? n : 1);
         memcpy(cut, jpeg, n);
         refuse(cut, n, "");
@@ -285,10 +290,10 @@ static void exposure_is_divided_out_and_large_values_are_clamped(void **state)
 static void coded_scan_lines_hold_runs_and_literals(void **state)
 {
     (void)state;
-    static const uint8_t line[] = {2,   2,   0, 8,                  // eight pixels
-                                   136, 128,                        // red: a run of 8
-                                   8,   1,   2, 3, 4, 5, 6, 7, 8,   // green: 8 literals
-                                   132, 0,   4, 16, 16, 16, 16,     // blue: a run, then literals
+    static const uint8_t line[] = {2,   2,   0, 8,                    // eight pixels
+                                   136, 128,                          // red: a run of 8
+                                   8,   1,   2, 3,  4,  5,  6,  7, 8, // green: 8 literals
+                                   132, 0,   4, 16, 16, 16, 16,       // blue: a run, then literals
                                    136, 129};
     const struct glint_pixels p = decode_hdr(HDR_HEAD "\n-Y 1 +X 8\n", line, sizeof line);
     const uint16_t *h = p.pixels;
@@ -296,7 +301,7 @@ static void coded_scan_lines_hold_runs_and_literals(void **state)
         assert_int_equal(h[4 * x], 0x3c00);
         assert_int_equal(h[4 * x + 2], x < 4 ? 0 : 0x3000); // 16/128 = 2^-3
     }
-    assert_int_equal(h[1], 0x2000);     // 1/128 = 2^-7
+    assert_int_equal(h[1], 0x2000);         // 1/128 = 2^-7
     assert_int_equal(h[4 * 7 + 1], 0x2c00); // 8/128 = 2^-4
 }
 
@@ -314,14 +319,21 @@ static void bad_radiance_files_are_refused(void **state)
 {
     (void)state;
     static const char *const bad[] = {
-        "#?", "#?RADIANCE\n", "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n1234",
-        HDR_HEAD "\n+Y 1 +X 1\n1234", HDR_HEAD "\n-Y 1 +X 1 \n1234", HDR_HEAD "\n-Y 0 +X 1\n",
-        HDR_HEAD "\n-Y 99999 +X 1\n1234", HDR_HEAD "\n-Y 1 +X 1\n123", HDR_HEAD "\n-Y 2 +X 1\n1234",
-        HDR_HEAD "EXPOSURE=0\n\n-Y 1 +X 1\n1234", HDR_HEAD "EXPOSURE=nan\n\n-Y 1 +X 1\n1234",
-        HDR_HEAD "\n-Y 1 +X 1\n\1\1\1\1",              // a run without a pixel
-        HDR_HEAD "\n-Y 1 +X 2\n1234\1\1\1\2",          // a run over the end
-        HDR_HEAD "\n-Y 1 +X 258\n\2\2\1\2\377",        // ends in a run
-        HDR_HEAD "\n-Y 1 +X 258\n\2\2\1\2\200",        // ends in literals
+        "#?",
+        "#?RADIANCE\n",
+        "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n1234",
+        HDR_HEAD "\n+Y 1 +X 1\n1234",
+        HDR_HEAD "\n-Y 1 +X 1 \n1234",
+        HDR_HEAD "\n-Y 0 +X 1\n",
+        HDR_HEAD "\n-Y 99999 +X 1\n1234",
+        HDR_HEAD "\n-Y 1 +X 1\n123",
+        HDR_HEAD "\n-Y 2 +X 1\n1234",
+        HDR_HEAD "EXPOSURE=0\n\n-Y 1 +X 1\n1234",
+        HDR_HEAD "EXPOSURE=nan\n\n-Y 1 +X 1\n1234",
+        HDR_HEAD "\n-Y 1 +X 1\n\1\1\1\1",       // a run without a pixel
+        HDR_HEAD "\n-Y 1 +X 2\n1234\1\1\1\2",   // a run over the end
+        HDR_HEAD "\n-Y 1 +X 258\n\2\2\1\2\377", // ends in a run
+        HDR_HEAD "\n-Y 1 +X 258\n\2\2\1\2\200", // ends in literals
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         refuse((const uint8_t *)bad[i], strlen(bad[i]), "");

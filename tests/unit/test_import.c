@@ -101,7 +101,8 @@ static void camera_and_emitter_are_added_with_warnings(void **state)
     uint8_t *glb = glb_quad(GLB_QUAD_MESH "," NODE, &size);
     struct glint_import *im;
     struct glint_scene *scene;
-    assert_int_equal(glint_import_run(importer, GLINT_SCENE_GLB, glb, size, NULL, &im, NULL), GLINT_OK);
+    assert_int_equal(glint_import_run(importer, GLINT_SCENE_GLB, glb, size, NULL, &im, NULL),
+                     GLINT_OK);
     assert_int_equal(im->warnings, 2);
     assert_int_equal(glint_scene_parse(&scene, im->text, im->length, im->asset, im->assets, NULL),
                      GLINT_OK);
@@ -119,8 +120,10 @@ static void equal_files_give_equal_text(void **state)
     size_t size;
     uint8_t *glb = glb_quad(GLB_QUAD_MESH "," NODE, &size);
     struct glint_import *a, *b;
-    assert_int_equal(glint_import_run(importer, GLINT_SCENE_GLB, glb, size, NULL, &a, NULL), GLINT_OK);
-    assert_int_equal(glint_import_run(importer, GLINT_SCENE_GLB, glb, size, NULL, &b, NULL), GLINT_OK);
+    assert_int_equal(glint_import_run(importer, GLINT_SCENE_GLB, glb, size, NULL, &a, NULL),
+                     GLINT_OK);
+    assert_int_equal(glint_import_run(importer, GLINT_SCENE_GLB, glb, size, NULL, &b, NULL),
+                     GLINT_OK);
     assert_string_equal(a->text, b->text);
     assert_int_equal(a->assets, b->assets);
     glint_import_destroy(&a);
@@ -146,11 +149,14 @@ static void faults_come_back_with_their_pointers(void **state)
 
 // --- native scenes
 
-#define NATIVE(IMAGE) \
-    "{\"images\":{\"a/b\":{" IMAGE "}},\"materials\":{\"m\":{\"base_color_texture\":{\"image\":\"a/b\"}}}," \
-    "\"meshes\":{\"q\":{\"primitive\":\"quad\"}},\"instances\":{\"i\":{\"mesh\":\"q\",\"material\":\"m\"}}}"
-#define RED "\"data\":\"data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4n" \
-            "GP4z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC\""
+#define NATIVE(IMAGE)                                                                   \
+    "{\"images\":{\"a/b\":{" IMAGE                                                      \
+    "}},\"materials\":{\"m\":{\"base_color_texture\":{\"image\":\"a/b\"}}},"            \
+    "\"meshes\":{\"q\":{\"primitive\":\"quad\"}},\"instances\":{\"i\":{\"mesh\":\"q\"," \
+    "\"material\":\"m\"}}}"
+#define RED                                                                                      \
+    "\"data\":\"data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4n" \
+    "GP4z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC\""
 
 static void pictures_in_native_text_become_assets(void **state)
 {
@@ -159,11 +165,12 @@ static void pictures_in_native_text_become_assets(void **state)
     struct glint_import *im;
     struct glint_scene *s;
     struct glint_error err = {0};
-    if (glint_import_run(importer, GLINT_SCENE_NATIVE, (const uint8_t *)text, strlen(text), NULL, &im,
-                         &err))
+    if (glint_import_run(importer, GLINT_SCENE_NATIVE, (const uint8_t *)text, strlen(text), NULL,
+                         &im, &err))
         fail_msg("%s", glint_error_text(&err));
     assert_null(strstr(im->text, "data:"));
-    assert_int_equal(glint_scene_parse(&s, im->text, im->length, im->asset, im->assets, NULL), GLINT_OK);
+    assert_int_equal(glint_scene_parse(&s, im->text, im->length, im->asset, im->assets, NULL),
+                     GLINT_OK);
     assert_int_equal(s->image[0].width, 1);
     assert_memory_equal(s->image[0].pixels, "\xff\0\0\xff", 4);
     assert_int_equal(s->material[0].base_color_texture.image, 0);
@@ -177,9 +184,12 @@ static void bad_pictures_are_refused_at_their_pointer(void **state)
     static const char text[] = NATIVE("\"data\":\"data:,hello\"");
     static const char both[] = NATIVE("\"asset\":\"0\"," RED);
     static const char more[] = NATIVE("\"colour\":1," RED);
-    refused(GLINT_SCENE_NATIVE, text, strlen(text), NULL, GLINT_E_RANGE, "/images/a~1b/data", "not PNG");
-    refused(GLINT_SCENE_NATIVE, both, strlen(both), NULL, GLINT_E_RANGE, "/images/a~1b/data", "either");
-    refused(GLINT_SCENE_NATIVE, more, strlen(more), NULL, GLINT_E_RANGE, "/images/a~1b/colour", "colour");
+    refused(GLINT_SCENE_NATIVE, text, strlen(text), NULL, GLINT_E_RANGE, "/images/a~1b/data",
+            "not PNG");
+    refused(GLINT_SCENE_NATIVE, both, strlen(both), NULL, GLINT_E_RANGE, "/images/a~1b/data",
+            "either");
+    refused(GLINT_SCENE_NATIVE, more, strlen(more), NULL, GLINT_E_RANGE, "/images/a~1b/colour",
+            "colour");
 }
 
 // --- limits
@@ -219,7 +229,8 @@ static uint8_t *large_pictures(uint32_t side, size_t *size)
              "{'asset':{'version':'2.0'},'buffers':[{'byteLength':%zu}],'bufferViews':[{'buffer':0,"
              "'byteLength':%zu}],'images':[{'bufferView':0},{'bufferView':0},{'bufferView':0}],"
              "'textures':[{'source':0},{'source':1},{'source':2}],'materials':[{'emissiveTexture':{"
-             "'index':0}},{'emissiveTexture':{'index':1}},{'emissiveTexture':{'index':2}}]}", n, n);
+             "'index':0}},{'emissiveTexture':{'index':1}},{'emissiveTexture':{'index':2}}]}",
+             n, n);
     uint8_t *glb = glb_make(json, png, n, size);
     free(png);
     free(packed);
@@ -357,8 +368,9 @@ static void without_its_helper_an_import_fails_and_does_not_wait(void **state)
     assert_int_equal(fscanf(f, "%d %d", &pids[0], &pids[1]), 2);
     fclose(f);
     kill(pids[0] == first ? pids[1] : pids[0], SIGKILL);
-    assert_int_equal(glint_import_run(lost, GLINT_SCENE_GLB, (const uint8_t *)"x", 1, NULL, &im, &err),
-                     GLINT_E_INTERNAL);
+    assert_int_equal(
+        glint_import_run(lost, GLINT_SCENE_GLB, (const uint8_t *)"x", 1, NULL, &im, &err),
+        GLINT_E_INTERNAL);
     assert_string_equal(err.fault[0].detail, "the import helper is gone");
     glint_error_finish(&err);
     glint_importer_destroy(&lost);
@@ -401,14 +413,17 @@ static int signals_its_parent(void)
 
 static int makes_executable_memory(void)
 {
-    return mmap(NULL, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) == MAP_FAILED;
+    return mmap(NULL, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) ==
+           MAP_FAILED;
 }
 
 static int takes_too_much(void)
 {
     const size_t part = (size_t)48 << 20; // the first fits, two do not
-    const bool first = mmap(NULL, part, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) != MAP_FAILED;
-    const bool second = mmap(NULL, part, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) != MAP_FAILED;
+    const bool first =
+        mmap(NULL, part, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) != MAP_FAILED;
+    const bool second =
+        mmap(NULL, part, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) != MAP_FAILED;
     return first && !second ? 0 : 1;
 }
 

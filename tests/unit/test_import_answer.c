@@ -7,10 +7,10 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <fcntl.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -29,8 +29,14 @@ static int good_answer(void)
     struct glint_asset asset = {.bytes = bytes, .size = sizeof bytes};
     glint_sha256(bytes, sizeof bytes, asset.sha256);
     const struct glint_error none = {0};
-    const struct glint_answer a = {.error = &none, .text = "{}", .length = 2, .asset = &asset,
-                                   .assets = 1, .warning = warnings, .warnings = 2, .seconds = 0.5};
+    const struct glint_answer a = {.error = &none,
+                                   .text = "{}",
+                                   .length = 2,
+                                   .asset = &asset,
+                                   .assets = 1,
+                                   .warning = warnings,
+                                   .warnings = 2,
+                                   .seconds = 0.5};
     const int fd = memfd();
     assert_int_equal(glint_answer_write(fd, &a), GLINT_OK);
     return fd;

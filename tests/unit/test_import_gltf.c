@@ -37,7 +37,7 @@ static void missing_normals_stay_missing(void **state)
 {
     (void)state;
     struct glint_scene *s = gltf_quad("'meshes':[{'primitives':[{'attributes':{'POSITION':0},"
-                                        "'indices':3}]}]," ONE_NODE);
+                                      "'indices':3}]}]," ONE_NODE);
     assert_null(s->mesh[0].normal);
     assert_null(s->mesh[0].uv);
     glint_scene_destroy(&s);
@@ -49,7 +49,8 @@ static void strips_and_fans_become_triangles_of_one_orientation(void **state)
     static const char *const json =
         "{'asset':{'version':'2.0'},'buffers':[{'byteLength':60}],'bufferViews':[{'buffer':0,"
         "'byteLength':60}],'accessors':[{'bufferView':0,'componentType':5126,'count':5,'type':"
-        "'VEC3'}],'meshes':[{'primitives':[{'mode':%d,'attributes':{'POSITION':0}}]}]," ONE_NODE "}";
+        "'VEC3'}],'meshes':[{'primitives':[{'mode':%d,'attributes':{'POSITION':0}}]}]," ONE_NODE
+        "}";
     static const float strip[15] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0};
     static const float fan[15] = {0, 0, 0, 2, 0, 0, 2, 1, 0, 1, 2, 0, 0, 2, 0};
     for (int mode = 5; mode <= 6; mode++) {
@@ -109,7 +110,8 @@ static void sparse_values_replace_the_elements_they_name(void **state)
         "{'asset':{'version':'2.0'},'buffers':[{'byteLength':52}],'bufferViews':["
         "{'buffer':0,'byteLength':36},{'buffer':0,'byteOffset':36,'byteLength':12},"
         "{'buffer':0,'byteOffset':48,'byteLength':1}],'accessors':[{'bufferView':0,"
-        "'componentType':5126,'count':3,'type':'VEC3','sparse':{'count':1,'indices':{'bufferView':2,"
+        "'componentType':5126,'count':3,'type':'VEC3','sparse':{'count':1,'indices':{'bufferView':"
+        "2,"
         "'componentType':5121},'values':{'bufferView':1}}}],'meshes':[{'primitives':[{'attributes':"
         "{'POSITION':0}}]}]," ONE_NODE "}";
     static const float expected[9] = {0, 0, 0, 1, 0, 0, 0, 5, 0};
@@ -130,8 +132,9 @@ static void an_unpadded_interleaved_view_is_read_to_its_end(void **state)
     struct glint_scene *s = gltf_data(
         "{'asset':{'version':'2.0'},'buffers':[{'byteLength':60}],'bufferViews':[{'buffer':0,"
         "'byteLength':60,'byteStride':24}],'accessors':[{'bufferView':0,'componentType':5126,"
-        "'count':3,'type':'VEC3'}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}],"
-        ONE_NODE "}", bin, sizeof bin);
+        "'count':3,'type':'VEC3'}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]"
+        "," ONE_NODE "}",
+        bin, sizeof bin);
     gltf_floats_equal(s->mesh[0].position, expected, 9, 0);
     glint_scene_destroy(&s);
 }
@@ -139,16 +142,17 @@ static void an_unpadded_interleaved_view_is_read_to_its_end(void **state)
 static void tangents_keep_their_side_and_normals_become_unit(void **state)
 {
     (void)state;
-    static const float bin[] = {0, 0, 0, 1,  0, 0, 0, 1,  0,  // positions
-                                0, 0, 9, 0,  0, 0, 0, 0,  2,  // normals, the second without direction
-                                1, 0, 0, -1, 3, 0, 0, 1,  0, 0, 0, 1}; // tangents
+    static const float bin[] = {0, 0, 0, 1,  0, 0, 0, 1, 0, // positions
+                                0, 0, 9, 0,  0, 0, 0, 0, 2, // normals, the second without direction
+                                1, 0, 0, -1, 3, 0, 0, 1, 0, 0, 0, 1}; // tangents
     struct glint_scene *s = gltf_data(
         "{'asset':{'version':'2.0'},'buffers':[{'byteLength':120}],'bufferViews':[{'buffer':0,"
         "'byteLength':36},{'buffer':0,'byteOffset':36,'byteLength':36},{'buffer':0,'byteOffset':72,"
         "'byteLength':48}],'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':"
         "'VEC3'},{'bufferView':1,'componentType':5126,'count':3,'type':'VEC3'},{'bufferView':2,"
         "'componentType':5126,'count':3,'type':'VEC4'}],'meshes':[{'name':'m','primitives':[{"
-        "'attributes':{'POSITION':0,'NORMAL':1,'TANGENT':2}}]}]," ONE_NODE "}", bin, sizeof bin);
+        "'attributes':{'POSITION':0,'NORMAL':1,'TANGENT':2}}]}]," ONE_NODE "}",
+        bin, sizeof bin);
     static const float up[9] = {0, 0, 1, 0, 0, 1, 0, 0, 1};
     const struct glint_mesh *m = &s->mesh[0];
     gltf_floats_equal(m->normal, up, 9, 0);
@@ -163,9 +167,9 @@ static void tangents_keep_their_side_and_normals_become_unit(void **state)
 static void points_and_lines_are_left_out_with_a_warning(void **state)
 {
     (void)state;
-    struct glint_scene *s = gltf_quad(
-        "'meshes':[{'name':'mix','primitives':[{'mode':0," GLB_QUAD_PRIMITIVE "},{'mode':1,"
-        GLB_QUAD_PRIMITIVE "},{" GLB_QUAD_PRIMITIVE "}]}]," ONE_NODE);
+    struct glint_scene *s =
+        gltf_quad("'meshes':[{'name':'mix','primitives':[{'mode':0," GLB_QUAD_PRIMITIVE
+                  "},{'mode':1," GLB_QUAD_PRIMITIVE "},{" GLB_QUAD_PRIMITIVE "}]}]," ONE_NODE);
     assert_int_equal(s->meshes, 1);
     assert_int_equal(s->instances, 1);
     gltf_expect_warning(s, "points of mesh \"mix\"");
@@ -176,12 +180,16 @@ static void points_and_lines_are_left_out_with_a_warning(void **state)
 static void bad_geometry_is_refused_with_its_place(void **state)
 {
     (void)state;
-    static const struct { const char *mesh, *pointer, *word; } bad[] = {
-        {"{'attributes':{'POSITION':7}}", "/meshes/0/primitives/0/attributes/POSITION", "4 accessors"},
+    static const struct {
+        const char *mesh, *pointer, *word;
+    } bad[] = {
+        {"{'attributes':{'POSITION':7}}", "/meshes/0/primitives/0/attributes/POSITION",
+         "4 accessors"},
         {"{'attributes':{'POSITION':2}}", "/meshes/0/primitives/0/attributes/POSITION", "type"},
         {"{'attributes':{'POSITION':0},'indices':0}", "/meshes/0/primitives/0/indices", "unsigned"},
         {"{'attributes':{'POSITION':0},'mode':9}", "/meshes/0/primitives/0/mode", "9"},
-        {"{'attributes':{'POSITION':0},'material':0}", "/meshes/0/primitives/0/material", "0 materials"},
+        {"{'attributes':{'POSITION':0},'material':0}", "/meshes/0/primitives/0/material",
+         "0 materials"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char rest[512];
@@ -196,7 +204,8 @@ static void an_index_out_of_range_is_refused(void **state)
     struct glb_quad bin = glb_quad_data;
     bin.index[4] = 4;
     size_t size;
-    uint8_t *glb = glb_make("{" GLB_QUAD "," GLB_QUAD_MESH "," ONE_NODE "}", &bin, sizeof bin, &size);
+    uint8_t *glb =
+        glb_make("{" GLB_QUAD "," GLB_QUAD_MESH "," ONE_NODE "}", &bin, sizeof bin, &size);
     gltf_refused(glb, size, GLINT_E_RANGE, "/accessors/3", "index 4 is 4");
 }
 
@@ -206,7 +215,8 @@ static void a_position_that_is_no_number_is_refused(void **state)
     struct glb_quad bin = glb_quad_data;
     bin.position[5] = NAN;
     size_t size;
-    uint8_t *glb = glb_make("{" GLB_QUAD "," GLB_QUAD_MESH "," ONE_NODE "}", &bin, sizeof bin, &size);
+    uint8_t *glb =
+        glb_make("{" GLB_QUAD "," GLB_QUAD_MESH "," ONE_NODE "}", &bin, sizeof bin, &size);
     gltf_refused(glb, size, GLINT_E_RANGE, "/accessors/0", "vertex 1 of mesh \"square\"");
 }
 
@@ -215,10 +225,13 @@ static void a_position_that_is_no_number_is_refused(void **state)
 static void broken_containers_are_named(void **state)
 {
     (void)state;
-    static const struct { size_t at; uint8_t value; const char *word; } bad[] = {
-        {0, 'x', "does not start with"},  {4, 3, "version is 3"},
-        {8, 0xff, "header says"},         {15, 0xff, "bytes are left"},
-        {16, 'B', "not JSON"},            {12, 1, "chunk"},
+    static const struct {
+        size_t at;
+        uint8_t value;
+        const char *word;
+    } bad[] = {
+        {0, 'x', "does not start with"}, {4, 3, "version is 3"}, {8, 0xff, "header says"},
+        {15, 0xff, "bytes are left"},    {16, 'B', "not JSON"},  {12, 1, "chunk"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         size_t size;
@@ -253,16 +266,20 @@ static void buffers_and_views_are_bounded(void **state)
 {
     (void)state;
 #define REST ",'scenes':[{'nodes':[0]}],'nodes':[{}]}"
-    static const struct { const char *json, *pointer, *word; } bad[] = {
+    static const struct {
+        const char *json, *pointer, *word;
+    } bad[] = {
         {"'buffers':[{'byteLength':149}]", "/buffers/0/byteLength", "149 bytes"},
         {"'buffers':[{'byteLength':8,'uri':'a.bin'}]", "/buffers/0/uri", "outside of the file"},
         {"'buffers':[{'byteLength':8,'uri':'data:;base64,@'}]", "/buffers/0/uri", "base64"},
-        {"'buffers':[{'byteLength':8,'uri':'data:;base64,AAAA'}]", "/buffers/0/byteLength", "has 3"},
+        {"'buffers':[{'byteLength':8,'uri':'data:;base64,AAAA'}]", "/buffers/0/byteLength",
+         "has 3"},
         {"'buffers':[{'byteLength':8}],'bufferViews':[{'buffer':0,'byteOffset':4,'byteLength':5}]",
          "/bufferViews/0/byteLength", "buffer of 8"},
         {"'buffers':[{'byteLength':8}],'bufferViews':[{'buffer':1,'byteLength':5}]",
          "/bufferViews/0/buffer", "1 buffers"},
-        {"'buffers':[{'byteLength':8}],'bufferViews':[{'buffer':0,'byteLength':8,'byteStride':256}]",
+        {"'buffers':[{'byteLength':8}],'bufferViews':[{'buffer':0,'byteLength':8,'byteStride':256}"
+         "]",
          "/bufferViews/0/byteStride", "256"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -277,19 +294,24 @@ static void buffers_and_views_are_bounded(void **state)
 static void accessors_are_bounded_by_their_views(void **state)
 {
     (void)state;
-    static const struct { const char *accessor, *pointer, *word; } bad[] = {
+    static const struct {
+        const char *accessor, *pointer, *word;
+    } bad[] = {
         {"'bufferView':0,'componentType':5126,'count':5,'type':'VEC3'", "/accessors/0", "60 bytes"},
-        {"'bufferView':0,'byteOffset':4,'componentType':5126,'count':4,'type':'VEC3'", "/accessors/0",
-         "from byte 4"},
+        {"'bufferView':0,'byteOffset':4,'componentType':5126,'count':4,'type':'VEC3'",
+         "/accessors/0", "from byte 4"},
         {"'bufferView':0,'componentType':5126,'count':0,'type':'VEC3'", "/accessors/0/count", "0"},
-        {"'bufferView':0,'componentType':5124,'count':4,'type':'VEC3'", "/accessors/0/componentType",
-         "5124"},
-        {"'bufferView':0,'componentType':5126,'count':4,'type':'VEC5'", "/accessors/0/type", "VEC5"},
+        {"'bufferView':0,'componentType':5124,'count':4,'type':'VEC3'",
+         "/accessors/0/componentType", "5124"},
+        {"'bufferView':0,'componentType':5126,'count':4,'type':'VEC5'", "/accessors/0/type",
+         "VEC5"},
         {"'componentType':5126,'count':2000000000,'type':'VEC3'", "/accessors/0", "no data"},
         {"'bufferView':1,'componentType':5126,'count':1,'type':'VEC3'", "/accessors/0",
          "view 1 has no data"},
-        {"'bufferView':9,'componentType':5126,'count':4,'type':'VEC3'", "/accessors/0/bufferView", "9"},
-        {"'componentType':5126,'count':4,'type':'VEC3','sparse':{'count':5,'indices':{},'values':{}}",
+        {"'bufferView':9,'componentType':5126,'count':4,'type':'VEC3'", "/accessors/0/bufferView",
+         "9"},
+        {"'componentType':5126,'count':4,'type':'VEC3','sparse':{'count':5,'indices':{},'values':{}"
+         "}",
          "/accessors/0/sparse/count", "5"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -299,7 +321,8 @@ static void accessors_are_bounded_by_their_views(void **state)
                  "{'asset':{'version':'2.0'},'buffers':[{'byteLength':48},{'byteLength':48}],"
                  "'bufferViews':[{'buffer':0,'byteLength':48},{'buffer':1,'byteLength':48}],"
                  "'accessors':[{%s}],'meshes':[{'primitives':[{'attributes':{"
-                 "'POSITION':0}}]}]," ONE_NODE "}", bad[i].accessor);
+                 "'POSITION':0}}]}]," ONE_NODE "}",
+                 bad[i].accessor);
         uint8_t *glb = glb_make(json, &glb_quad_data, sizeof glb_quad_data, &size);
         gltf_refused(glb, size, GLINT_E_RANGE, bad[i].pointer, bad[i].word);
     }
@@ -310,7 +333,8 @@ static void an_accessor_without_data_is_zero(void **state)
     (void)state;
     struct glint_scene *s = gltf_data(
         "{'asset':{'version':'2.0'},'accessors':[{'componentType':5126,'count':3,'type':'VEC3'}],"
-        "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]," ONE_NODE "}", NULL, 0);
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]," ONE_NODE "}",
+        NULL, 0);
     static const float zeros[9];
     gltf_floats_equal(s->mesh[0].position, zeros, 9, 0);
     glint_scene_destroy(&s);
@@ -320,10 +344,13 @@ static void json_with_data_uris_needs_no_container(void **state)
 {
     (void)state;
     static const char *const json =
-        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"data:application/"
-        "octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}],\"bufferViews\":[{"
+        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"data:"
+        "application/"
+        "octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}],\"bufferViews\":["
+        "{"
         "\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
-        "\"count\":3,\"type\":\"VEC3\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}"
+        "\"count\":3,\"type\":\"VEC3\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{"
+        "\"POSITION\":0}}]}"
         "],\"nodes\":[{\"mesh\":0}]}";
     struct glint_scene *s;
     static const float expected[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};

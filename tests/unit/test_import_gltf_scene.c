@@ -19,7 +19,8 @@ static void transforms_of_parents_come_first(void **state)
 {
     (void)state;
     struct glint_scene *s = gltf_quad(
-        GLB_QUAD_MESH ",'scenes':[{'nodes':[0]}],'nodes':[{'name':'a','translation':[10,0,0],"
+        GLB_QUAD_MESH
+        ",'scenes':[{'nodes':[0]}],'nodes':[{'name':'a','translation':[10,0,0],"
         "'rotation':[0,0,0.7071067811865476,0.7071067811865476],'children':[1]},{'name':'b',"
         "'translation':[1,2,3],'scale':[2,2,-2],'mesh':0}]");
     // turned by 90 degrees about z: x to y, y to -x; then moved
@@ -34,7 +35,7 @@ static void matrices_are_column_major(void **state)
     (void)state;
     struct glint_scene *s = gltf_quad(
         GLB_QUAD_MESH ",'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0,'matrix':[1,0,0,0, 0,1,0,0, "
-        "0,0,1,0, 4,5,6,1]}]");
+                      "0,0,1,0, 4,5,6,1]}]");
     static const float expected[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1};
     gltf_floats_equal(s->instance[0].transform, expected, 16, 0);
     glint_scene_destroy(&s);
@@ -43,9 +44,10 @@ static void matrices_are_column_major(void **state)
 static void a_node_scaled_to_nothing_is_left_out(void **state)
 {
     (void)state;
-    struct glint_scene *s = gltf_quad(
-        GLB_QUAD_MESH ",'scenes':[{'nodes':[0,1]}],'nodes':[{'name':'gone','mesh':0,'scale':[0,1,1]}"
-        ",{'name':'here','mesh':0,'scale':[1e-6,1e-6,1e-6]}]");
+    struct glint_scene *s =
+        gltf_quad(GLB_QUAD_MESH
+                  ",'scenes':[{'nodes':[0,1]}],'nodes':[{'name':'gone','mesh':0,'scale':[0,1,1]}"
+                  ",{'name':'here','mesh':0,'scale':[1e-6,1e-6,1e-6]}]");
     assert_int_equal(s->objects, 1);
     assert_string_equal(s->object[0].name, "here");
     gltf_expect_warning(s, "node \"gone\" is left out");
@@ -56,7 +58,8 @@ static void objects_are_named_by_node_or_path(void **state)
 {
     (void)state;
     struct glint_scene *s = gltf_quad(
-        GLB_QUAD_MESH ",'scenes':[{'nodes':[0,3,5,6]}],'nodes':[{'name':'left','children':[1,2]},"
+        GLB_QUAD_MESH
+        ",'scenes':[{'nodes':[0,3,5,6]}],'nodes':[{'name':'left','children':[1,2]},"
         "{'name':'leg','mesh':0},{'name':'top:seat','mesh':0},{'name':'right','children':[4]},"
         "{'name':'leg','mesh':0},{'mesh':0},{'mesh':0,'name':'solo'}]");
     static const char *const names[] = {"left/leg", "top:seat", "right/leg", "square", "solo"};
@@ -75,8 +78,9 @@ static void objects_are_named_by_node_or_path(void **state)
 static void ids_are_unique_where_names_are_not(void **state)
 {
     (void)state;
-    struct glint_scene *s = gltf_quad(
-        "'materials':[{'name':'a b'},{'name':'a/b'},{'name':'a_b_2'},{}]," GLB_QUAD_MESH "," ONE_NODE);
+    struct glint_scene *s =
+        gltf_quad("'materials':[{'name':'a b'},{'name':'a/b'},{'name':'a_b_2'},{}]," GLB_QUAD_MESH
+                  "," ONE_NODE);
     static const char *const ids[] = {"a_b", "a_b_2", "a_b_2_2", "material_3", "default"};
     static const char *const names[] = {"a b", "a/b", "a_b_2", "material_3", "default"};
     assert_int_equal(s->materials, 5);
@@ -92,7 +96,8 @@ static void the_asset_of_extras_holds_for_all_below(void **state)
 {
     (void)state;
     struct glint_scene *s = gltf_quad(
-        GLB_QUAD_MESH ",'scenes':[{'nodes':[0]}],'nodes':[{'extras':{'asset':'chair'},'children':[1,2]},"
+        GLB_QUAD_MESH
+        ",'scenes':[{'nodes':[0]}],'nodes':[{'extras':{'asset':'chair'},'children':[1,2]},"
         "{'name':'x:y','mesh':0},{'name':'z','mesh':0,'extras':{'asset':'cushion'}}]");
     assert_string_equal(s->object[0].asset, "chair");
     assert_string_equal(s->object[1].asset, "cushion");
@@ -122,16 +127,18 @@ static void each_primitive_is_an_instance_of_one_object(void **state)
 static void what_is_no_tree_is_refused(void **state)
 {
     (void)state;
-    gltf_refuse_quad("'scenes':[{'nodes':[0]}],'nodes':[{'children':[1]},{'children':[0]}]", "/nodes/0",
-                "inside of itself");
-    gltf_refuse_quad("'scenes':[{'nodes':[0,1]}],'nodes':[{'children':[1]},{}]", "/nodes/1", "two places");
+    gltf_refuse_quad("'scenes':[{'nodes':[0]}],'nodes':[{'children':[1]},{'children':[0]}]",
+                     "/nodes/0", "inside of itself");
+    gltf_refuse_quad("'scenes':[{'nodes':[0,1]}],'nodes':[{'children':[1]},{}]", "/nodes/1",
+                     "two places");
     gltf_refuse_quad("'scenes':[{'nodes':[0,0]}],'nodes':[{},{}]", "/nodes/0", "two places");
     gltf_refuse_quad("'scenes':[{'nodes':[0,0,0]}],'nodes':[{},{}]", "/scenes/0/nodes", "tree");
     gltf_refuse_quad("'scenes':[{'nodes':[5]}],'nodes':[{}]", "/scenes/0/nodes/0", "1 nodes");
-    gltf_refuse_quad("'scenes':[{'nodes':[0]}],'nodes':[{'rotation':[0,0,0,0]}]", "/nodes/0/rotation",
-                "no rotation");
-    gltf_refuse_quad("'scenes':[{'nodes':[0]}],'nodes':[{'matrix':[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1]}]",
-                "/nodes/0/matrix", "last row");
+    gltf_refuse_quad("'scenes':[{'nodes':[0]}],'nodes':[{'rotation':[0,0,0,0]}]",
+                     "/nodes/0/rotation", "no rotation");
+    gltf_refuse_quad(
+        "'scenes':[{'nodes':[0]}],'nodes':[{'matrix':[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1]}]",
+        "/nodes/0/matrix", "last row");
 }
 
 static void a_chain_of_nodes_may_be_512_deep(void **state)
@@ -178,9 +185,9 @@ static void factors_and_extensions_reach_the_material(void **state)
     const struct glint_material *m = &s->material[0];
     gltf_floats_equal(m->base_color, (const float[]){0.1f, 0.2f, 0.3f}, 3, 0);
     gltf_floats_equal(m->emission, (const float[]){8, 4, 2}, 3, 0);
-    gltf_floats_equal((const float[]){m->opacity, m->alpha_cutoff, m->metallic, m->roughness, m->ior,
-                                 m->transmission},
-                 (const float[]){0.4f, 0.25f, 0.6f, 0.7f, 1.33f, 0.9f}, 6, 0);
+    gltf_floats_equal((const float[]){m->opacity, m->alpha_cutoff, m->metallic, m->roughness,
+                                      m->ior, m->transmission},
+                      (const float[]){0.4f, 0.25f, 0.6f, 0.7f, 1.33f, 0.9f}, 6, 0);
     assert_true(m->alpha_mode == GLINT_ALPHA_MASK && m->double_sided && !m->thin);
     assert_true(s->material[1].thin); // no volume: a thin wall
     m = &s->material[2];              // the defaults of glTF, which are not those of native scenes
@@ -194,9 +201,10 @@ static void factors_out_of_range_are_all_named(void **state)
 {
     (void)state;
     size_t size;
-    uint8_t *glb = glb_quad("'materials':[{'pbrMetallicRoughness':{'metallicFactor':2,"
-                            "'roughnessFactor':-1},'extensions':{'KHR_materials_ior':{'ior':0.5}}}]",
-                            &size);
+    uint8_t *glb =
+        glb_quad("'materials':[{'pbrMetallicRoughness':{'metallicFactor':2,"
+                 "'roughnessFactor':-1},'extensions':{'KHR_materials_ior':{'ior':0.5}}}]",
+                 &size);
     struct glint_error err = {0};
     struct glint_scene *s;
     assert_int_equal(glint_gltf_import(&s, glb, size, &err), GLINT_E_RANGE);
@@ -209,7 +217,7 @@ static void factors_out_of_range_are_all_named(void **state)
 }
 
 // A PNG of 1x1: red.
-#define RED_PNG \
+#define RED_PNG                                                                          \
     "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4" \
     "z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC"
 
@@ -218,7 +226,8 @@ static void textures_bring_image_and_wrapping(void **state)
     (void)state;
     struct glint_scene *s = gltf_quad(
         "'images':[{'name':'unused','uri':'data:,nothing'},{'name':'red','uri':'" RED_PNG "'}],"
-        "'samplers':[{'wrapS':33071,'wrapT':33648}],'textures':[{'source':1,'sampler':0},{'source':1}],"
+        "'samplers':[{'wrapS':33071,'wrapT':33648}],'textures':[{'source':1,'sampler':0},{'source':"
+        "1}],"
         "'materials':[{'pbrMetallicRoughness':{'baseColorTexture':{'index':0}},'normalTexture':"
         "{'index':1,'scale':0.5},'occlusionTexture':{'index':0}}]");
     assert_int_equal(s->images, 1); // one image, used twice; what nobody uses is not decoded
@@ -239,11 +248,14 @@ static void a_damaged_image_is_refused_by_its_number(void **state)
 {
     (void)state;
     gltf_refuse_quad("'images':[{'bufferView':0}],'textures':[{'source':0}],'materials':[{"
-                "'emissiveTexture':{'index':0}}]", "/images/0", "not PNG, JPEG or Radiance");
-    gltf_refuse_quad("'images':[{}],'textures':[{'source':0}],'materials':[{'emissiveTexture':{'index':0}}]",
-                "/images/0", "no data");
+                     "'emissiveTexture':{'index':0}}]",
+                     "/images/0", "not PNG, JPEG or Radiance");
+    gltf_refuse_quad(
+        "'images':[{}],'textures':[{'source':0}],'materials':[{'emissiveTexture':{'index':0}}]",
+        "/images/0", "no data");
     gltf_refuse_quad("'images':[{'uri':'../secret.png'}],'textures':[{'source':0}],'materials':[{"
-                "'emissiveTexture':{'index':0}}]", "/images/0/uri", "outside of the file");
+                     "'emissiveTexture':{'index':0}}]",
+                     "/images/0/uri", "outside of the file");
 }
 
 // --- lights and cameras
@@ -254,7 +266,8 @@ static void lights_keep_their_units_and_place(void **state)
     struct glint_scene *s = gltf_quad(
         "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point','intensity':100,'color':"
         "[1,0.5,0.25]},{'type':'spot','name':'beam','intensity':50,'spot':{'innerConeAngle':0.25,"
-        "'outerConeAngle':0.5}},{'type':'directional','intensity':3}]}},'scenes':[{'nodes':[0,1,2]}],"
+        "'outerConeAngle':0.5}},{'type':'directional','intensity':3}]}},'scenes':[{'nodes':[0,1,2]}"
+        "],"
         "'nodes':[{'name':'bulb','translation':[1,2,3],'scale':[5,5,5],'extensions':{"
         "'KHR_lights_punctual':{'light':0}}},{'extensions':{'KHR_lights_punctual':{'light':1}}},"
         "{'name':'sun','rotation':[-0.7071067811865476,0,0,0.7071067811865476],'extensions':{"
@@ -267,22 +280,25 @@ static void lights_keep_their_units_and_place(void **state)
     gltf_floats_equal(l[0].color, (const float[]){1, 0.5f, 0.25f}, 3, 0);
     static const float moved[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1};
     gltf_floats_equal(l[0].transform, moved, 16, 1e-6f); // without the scale
-    assert_true(l[1].kind == GLINT_LIGHT_SPOT && l[1].inner_cone == 0.25f && l[1].outer_cone == 0.5f);
+    assert_true(l[1].kind == GLINT_LIGHT_SPOT && l[1].inner_cone == 0.25f &&
+                l[1].outer_cone == 0.5f);
     assert_true(l[2].kind == GLINT_LIGHT_SUN && l[2].intensity == 3);
-    gltf_floats_equal(l[2].transform + 8, (const float[]){0, 1, 0}, 3, 1e-6f); // shines along -z: down
+    gltf_floats_equal(l[2].transform + 8, (const float[]){0, 1, 0}, 3,
+                      1e-6f); // shines along -z: down
     glint_scene_destroy(&s);
 }
 
 static void bad_lights_are_refused_with_their_place(void **state)
 {
     (void)state;
-#define LIGHT(JSON) "'extensions':{'KHR_lights_punctual':{'lights':[" JSON "]}},'scenes':[{'nodes':[0]}]," \
-                    "'nodes':[{'extensions':{'KHR_lights_punctual':{'light':0}}}]"
+#define LIGHT(JSON)                                                                        \
+    "'extensions':{'KHR_lights_punctual':{'lights':[" JSON "]}},'scenes':[{'nodes':[0]}]," \
+    "'nodes':[{'extensions':{'KHR_lights_punctual':{'light':0}}}]"
 #define AT "/extensions/KHR_lights_punctual/lights/0"
     gltf_refuse_quad(LIGHT("{'type':'laser'}"), AT "/type", "laser");
     gltf_refuse_quad(LIGHT("{'type':'spot'}"), AT "/spot", "required");
-    gltf_refuse_quad(LIGHT("{'type':'spot','spot':{'innerConeAngle':0.5,'outerConeAngle':0.5}}"), AT "/spot",
-                "inside");
+    gltf_refuse_quad(LIGHT("{'type':'spot','spot':{'innerConeAngle':0.5,'outerConeAngle':0.5}}"),
+                     AT "/spot", "inside");
     gltf_refuse_quad(LIGHT("{'type':'point','intensity':-1}"), AT "/intensity", "-1");
     gltf_refuse_quad(LIGHT(""), "/nodes/0/extensions/KHR_lights_punctual/light", "0 lights");
 }
@@ -292,7 +308,8 @@ static void cameras_keep_yfov_and_lose_scale(void **state)
     (void)state;
     struct glint_scene *s = gltf_quad(
         "'cameras':[{'name':'lens','type':'perspective','perspective':{'yfov':0.7,'aspectRatio':2,"
-        "'znear':0.1}},{'type':'orthographic','orthographic':{'xmag':1,'ymag':1,'znear':0,'zfar':1}}],"
+        "'znear':0.1}},{'type':'orthographic','orthographic':{'xmag':1,'ymag':1,'znear':0,'zfar':1}"
+        "}],"
         "'scenes':[{'nodes':[0,1,2]}],'nodes':[{'camera':0,'translation':[0,0,5],'scale':[2,2,2]},"
         "{'name':'flat','camera':1},{'name':'cam','camera':0,'scale':[-1,1,1]}]");
     assert_int_equal(s->cameras, 2);
@@ -304,10 +321,13 @@ static void cameras_keep_yfov_and_lose_scale(void **state)
     gltf_floats_equal(s->camera[1].transform, (const float[]){1, 0, 0}, 3, 1e-6f); // not mirrored
     gltf_expect_warning(s, "camera \"flat\" is orthographic");
     glint_scene_destroy(&s);
-    gltf_refuse_quad("'cameras':[{'type':'perspective','perspective':{'yfov':0}}],'scenes':[{'nodes':[0]}],"
-                "'nodes':[{'camera':0}]", "/cameras/0/perspective/yfov", "0");
-    gltf_refuse_quad("'cameras':[{'type':'perspective'}],'scenes':[{'nodes':[0]}],'nodes':[{'camera':0}]",
-                "/cameras/0/perspective/yfov", "required");
+    gltf_refuse_quad(
+        "'cameras':[{'type':'perspective','perspective':{'yfov':0}}],'scenes':[{'nodes':[0]}],"
+        "'nodes':[{'camera':0}]",
+        "/cameras/0/perspective/yfov", "0");
+    gltf_refuse_quad(
+        "'cameras':[{'type':'perspective'}],'scenes':[{'nodes':[0]}],'nodes':[{'camera':0}]",
+        "/cameras/0/perspective/yfov", "required");
 }
 
 // --- what is ignored
@@ -316,14 +336,17 @@ static void what_is_ignored_is_named(void **state)
 {
     (void)state;
     struct glint_scene *s = gltf_quad(
-        "'images':[{'uri':'" RED_PNG "'}],'textures':[{'source':0},{}],'materials':[{'name':'paint',"
+        "'images':[{'uri':'" RED_PNG
+        "'}],'textures':[{'source':0},{}],'materials':[{'name':'paint',"
         "'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorTexture':{'index':0,'texCoord':1,"
         "'extensions':{'KHR_texture_transform':{'scale':[2,2]}}}},'emissiveTexture':{'index':1},"
         "'extensions':{'KHR_materials_clearcoat':{},"
         "'KHR_materials_transmission':{'transmissionFactor':1,'transmissionTexture':{'index':0}},"
         "'KHR_materials_volume':{'attenuationDistance':1}}}],"
-        "'meshes':[{'name':'body','primitives':[{'attributes':{'POSITION':0,'COLOR_0':1,'TEXCOORD_1':2"
-        "},'targets':[{}],'extensions':{'KHR_materials_variants':{}}}]}],'skins':[{'name':'bones'}],"
+        "'meshes':[{'name':'body','primitives':[{'attributes':{'POSITION':0,'COLOR_0':1,'TEXCOORD_"
+        "1':2"
+        "},'targets':[{}],'extensions':{'KHR_materials_variants':{}}}]}],'skins':[{'name':'bones'}]"
+        ","
         "'animations':[{'name':'walk'}],'extensions':{'KHR_audio':{}},'scenes':[{'nodes':[0]},{}],"
         "'nodes':[{'name':'man','mesh':0,'skin':0,'extensions':{'EXT_mesh_gpu_instancing':{}}}]");
     static const char *const expected[] = {
@@ -372,7 +395,7 @@ static void required_extensions_that_are_not_read_are_refused_by_name(void **sta
 {
     (void)state;
     gltf_refuse_quad("'extensionsRequired':['KHR_lights_punctual','KHR_draco_mesh_compression']",
-                "/extensionsRequired/1", "KHR_draco_mesh_compression");
+                     "/extensionsRequired/1", "KHR_draco_mesh_compression");
 }
 
 int main(void)
