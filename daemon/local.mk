@@ -161,9 +161,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/textures.c
 nodist_libglintdaemon_a_SOURCES = kernels/embedded.c protocol/contract.c
 
-if HAVE_GLINTD
 bin_PROGRAMS += glintd
-endif
 glintd_SOURCES = \
 	daemon/main.c \
 	daemon/mirror.c \
