@@ -85,6 +85,7 @@ SCRIPT_TESTS = \
 	tests/clients/cli_render.py \
 	tests/clients/cli_usage.py \
 	tests/clients/demo_scene.py \
+	tests/http/test_daemon.py \
 	tests/http/test_jobs.py \
 	tests/http/test_requests.py \
 	tests/http/test_scenes.py \

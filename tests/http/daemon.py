@@ -79,7 +79,7 @@ class Daemon:
 
     def __enter__(self):
         self.state = tempfile.mkdtemp(prefix="glint-test-")
-        self.log = open(os.path.join(self.state, "log"), "w+", encoding="utf-8")
+        self.log = open(os.path.join(self.state, "log"), "a+", encoding="utf-8")
         self.process = subprocess.Popen(
             [GLINTD, "--listen", "127.0.0.1:0", "--state", self.state, *self.options],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=self.log, text=True)
