@@ -234,6 +234,16 @@ static glint_resident *scene_of(const struct bench *b, int argc, char **argv)
     return argc > 1 ? offline_load(&b->o, argv[1]) : offline_load_text(&b->o, bench_million_scene());
 }
 
+static void print_passes(const glint_render *render)
+{
+    cJSON *plan = glint_render_plan(render);
+    const cJSON *pass;
+    cJSON_ArrayForEach(pass, cJSON_GetObjectItem(plan, "passes"))
+        printf("%5.1f %%  %s\n", 100.0 * cJSON_GetObjectItem(pass, "share")->valuedouble,
+               cJSON_GetObjectItem(pass, "pass")->valuestring);
+    cJSON_Delete(plan);
+}
+
 int main(int argc, char **argv)
 {
     struct bench b = {0};
@@ -256,8 +266,7 @@ int main(int argc, char **argv)
     double ours[PAIRS], pure[PAIRS];
     bench_pairs(run_ours, run_pure, &b, ours, pure, PAIRS);
     const struct bench_ratio r = bench_ratio_of(ours, pure, PAIRS);
-    struct glint_render_state state;
-    glint_render_state(b.render, &state);
+    print_passes(b.render);
     printf("{\"bench\":\"embree-share\",\"ratio\":%.4f,\"low\":%.4f,\"high\":%.4f,\"pairs\":%d,\"call\":\"%s\","
            "\"ns_per_vertex\":%.1f,\"limit\":%.2f,\"pass\":%s}\n",
            r.median, r.low, r.high, PAIRS, call_name[b.call], ours[0] * 1e9 / (double)record.hits, LIMIT,
