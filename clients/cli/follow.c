@@ -1,6 +1,7 @@
 #include "follow.h"
 #include "interrupt.h"
 #include "problem.h"
+#include "protocol/job.h"
 #include "sse.h"
 
 #include <math.h>
@@ -56,7 +57,9 @@ static void update(struct follower *f, const cJSON *data)
     take_number(data, "error", &f->shown.error);
     take_number(data, "eta_seconds", &f->shown.eta_seconds);
     take_count(data, "samples", &f->shown.samples);
-    take_count(member(member(data, "job"), "stop"), "samples", &f->shown.target_samples);
+    take_count(data, "target_samples", &f->shown.target_samples);
+    if (f->shown.target_samples >= GLINT_MAX_SAMPLES)
+        f->shown.target_samples = 0; // it stops for another reason
     glint_progress_show(&f->session->progress, &f->shown);
 }
 

@@ -9,6 +9,8 @@
 #define MAX_COLUMNS 16
 #define CELL_BYTES 400
 
+static const char nothing[] = "-";
+
 static const cJSON *find(const cJSON *row, const char *member)
 {
     char name[64];
@@ -51,7 +53,7 @@ static void format_cell(char *cell, const struct glint_column *c, const cJSON *r
     else if (cJSON_IsNumber(item))
         format_number(cell, c->kind, item->valuedouble);
     else
-        strcpy(cell, "-");
+        strcpy(cell, nothing);
 }
 
 // Characters of UTF-8, near enough to columns of a terminal.
@@ -99,10 +101,9 @@ void glint_table_print_one(const struct glint_column *column, const cJSON *objec
 {
     char cell[CELL_BYTES];
     for (; column->title; column++) {
-        const cJSON *item = find(object, column->member);
-        if (!item || cJSON_IsNull(item))
-            continue;
         format_cell(cell, column, object);
+        if (strcmp(cell, nothing) == 0)
+            continue;
         printf("%s: ", column->title);
         glint_print_plain(stdout, cell);
         putchar('\n');

@@ -1,5 +1,5 @@
-// light.c - a large soft light from the upper left, a small warm one from behind on the right, a
-// dim sky that goes from warm grey to blue, and the camera.
+// light.c - a large soft light from the upper left, a smaller warm one on the right, a dim sky that
+// goes from warm grey to blue, and the camera.
 #include "compose.h"
 
 #include <math.h>
@@ -24,8 +24,8 @@ static void add_area(struct glint_document *d, const char *id, const double from
 // Radiance of the sky at height y = -1..1, azimuth angle a (0: -z).
 static void sky(double y, double a, double rgb[3])
 {
-    static const double floor_[3] = {0.10, 0.09, 0.08}, low[3] = {0.80, 0.72, 0.62},
-                        high[3] = {0.45, 0.55, 0.70};
+    static const double floor_[3] = {0.03, 0.027, 0.024}, low[3] = {0.26, 0.235, 0.205},
+                        high[3] = {0.15, 0.185, 0.235};
     const double t = y < 0 ? y + 1 : y;
     const double glow = 1 + 0.6 * cos(a - 2.2);
     for (int k = 0; k < 3; k++)
@@ -86,7 +86,7 @@ static void add_camera(struct glint_document *d)
     const double from[3] = {0.5, 1.38, 4.9}, to[3] = {0.02, 0.50, -0.2};
     cJSON *camera = cJSON_AddObjectToObject(d->cameras, "front");
     cJSON_AddItemToObject(camera, "transform", glint_document_aim(from, to));
-    cJSON_AddItemToObject(camera, "yfov", glint_document_number(0.41));
+    cJSON_AddItemToObject(camera, "yfov", glint_document_number(0.385));
     cJSON_AddItemToObject(camera, "lens_radius", glint_document_number(0.02));
     cJSON_AddItemToObject(camera, "focus_distance", glint_document_number(4.75));
 }
@@ -94,9 +94,9 @@ static void add_camera(struct glint_document *d)
 void glint_compose_light(struct glint_document *d)
 {
     add_area(d, "soft box", (double[]){-2.2, 5.2, 0.9}, (double[]){0, 0.3, -0.9},
-             (double[]){1, 0.98, 0.95}, 32, (double[]){3, 3});
+             (double[]){1, 0.98, 0.95}, 25, (double[]){3, 3});
     add_area(d, "warm lamp", (double[]){3.4, 3.1, 0.6}, (double[]){0, 0.3, -0.8},
-             (double[]){1, 0.66, 0.36}, 20, (double[]){1.8, 1.8});
+             (double[]){1, 0.66, 0.36}, 17, (double[]){1.8, 1.8});
     add_sky(d);
     add_camera(d);
 }

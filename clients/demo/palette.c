@@ -22,8 +22,8 @@ static const struct { const char *id; struct glint_look look; } others[] = {
     {"frosted glass", {{0.97, 0.99, 0.985}, 0.22, 0, 1, 1.5}},
     {"satin glass", {{1, 0.97, 0.93}, 0.4, 0, 1, 1.5}},
     {"lacquer", {{0.012, 0.017, 0.022}, 0.14, 0, 0, 1.5}},
-    {"plaster", {{0.090, 0.135, 0.155}, 0.9, 0, 0, 1.5}},
-    {"paper", {{0.105, 0.155, 0.175}, 0.9, 0, 0, 1.5}},
+    {"plaster", {{0.070, 0.122, 0.145}, 0.9, 0, 0, 1.5}},
+    {"paper", {{0.085, 0.135, 0.155}, 0.9, 0, 0, 1.5}},
 };
 
 static double linear(unsigned byte)

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#define HALF_TURN 1.78 // radians the shelves reach to either side of -z
+#define HALF_TURN 1.95 // radians the shelves reach to either side of -z
 #define PEBBLES 6
 
 static const char *const kinds[] = {"bead", "cube", "rod", "pebble", "ring", "cone"};

@@ -6,8 +6,8 @@
 #include <stdio.h>
 
 #define GAP 0.0005 // metres between things that stand on each other: no two faces coincide
-#define BOWL_X (-0.84)
-#define BOWL_Z 0.36
+#define BOWL_X (-0.88)
+#define BOWL_Z 0.24
 #define TUMBLER_X 0.36
 #define TUMBLER_Z 0.60
 
@@ -192,7 +192,7 @@ void glint_compose_still_life(struct glint_document *d)
     add_mirror(d);
     add_tumbler(d);
     add_drops(d);
-    put_ball(d, "clear ball", "ball", "clear glass", "glass", -0.16, 0.60, 0.23);
-    put_ball(d, "satin ball", "ball", "satin glass", "glass", -0.42, 0.04, 0.20);
+    put_ball(d, "clear ball", "ball", "clear glass", "glass", -0.10, 0.64, 0.23);
+    put_ball(d, "satin ball", "ball", "satin glass", "glass", -0.46, 0.24, 0.18);
     put_ball(d, "mirror ball", "ball", "mirror", "metal", 0.70, 0.72, 0.12);
 }

@@ -230,7 +230,7 @@ def test_a_terminal_shows_a_bar_with_samples_error_and_time_left():
     with FakeDaemon() as daemon, Folder() as folder:
         daemon.on("GET", EVENTS, Answer(200, event("progress", {
             "state": "rendering", "progress": 0.5, "samples": 32, "error": 0.0456,
-            "eta_seconds": 75, "job": {"stop": {"samples": 64}}}) + event("done", {"state": "done"}), "text/event-stream"))
+            "eta_seconds": 75, "target_samples": 64}) + event("done", {"state": "done"}), "text/event-stream"))
         master, slave = pty.openpty()
         run = subprocess.run([cli.program(), "render", "r", "-o", folder / "f.exr"], stderr=slave,
                              stdout=subprocess.PIPE, env=cli.environment(GLINT_SERVER=daemon.url),
