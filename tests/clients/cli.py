@@ -1,4 +1,4 @@
-"""cli.py - runs the client under test."""
+"""cli.py - runs the client under test. Where $GLINT names no program every test is skipped."""
 import os
 import socket
 import subprocess
@@ -6,11 +6,9 @@ import subprocess
 import tap
 
 
-def program():
-    path = os.environ.get("GLINT", tap.build("glint"))
-    if not os.access(path, os.X_OK):
-        tap.skip_all(f"no {path}")
-    return path
+PROGRAM = os.environ.get("GLINT") or tap.build("glint")
+if not os.access(PROGRAM, os.X_OK):
+    tap.skip_all("no glint")
 
 
 def environment(**more):
@@ -22,14 +20,14 @@ def environment(**more):
 def glint(*arguments, server=None, cwd=None, **more):
     """The finished process, its output as text."""
     variables = environment(**({"GLINT_SERVER": server} if server else {}), **more)
-    return subprocess.run([program(), *map(str, arguments)], env=variables, cwd=cwd, text=True,
+    return subprocess.run([PROGRAM, *map(str, arguments)], env=variables, cwd=cwd, text=True,
                           capture_output=True, timeout=120, stdin=subprocess.DEVNULL)
 
 
 def start(*arguments, server=None, binary=None, **more):
     """The running process, with pipes."""
     variables = environment(**({"GLINT_SERVER": server} if server else {}), **more)
-    return subprocess.Popen([binary or program(), *map(str, arguments)], env=variables, text=True,
+    return subprocess.Popen([binary or PROGRAM, *map(str, arguments)], env=variables, text=True,
                             stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                             stdin=subprocess.DEVNULL)
 

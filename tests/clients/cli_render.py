@@ -232,7 +232,7 @@ def test_a_terminal_shows_a_bar_with_samples_error_and_time_left():
             "state": "rendering", "progress": 0.5, "samples": 32, "error": 0.0456,
             "eta_seconds": 75, "target_samples": 64}) + event("done", {"state": "done"}), "text/event-stream"))
         master, slave = pty.openpty()
-        run = subprocess.run([cli.program(), "render", "r", "-o", folder / "f.exr"], stderr=slave,
+        run = subprocess.run([cli.PROGRAM, "render", "r", "-o", folder / "f.exr"], stderr=slave,
                              stdout=subprocess.PIPE, env=cli.environment(GLINT_SERVER=daemon.url),
                              timeout=30, check=True)
         os.close(slave)
@@ -245,7 +245,7 @@ def test_a_terminal_shows_a_bar_with_samples_error_and_time_left():
 def private(folder, **more):
     """A copy of the client with a fake glintd beside it, rendering without any other daemon."""
     binary, daemon = folder / "glint", folder / "glintd"
-    shutil.copy(cli.program(), binary)
+    shutil.copy(cli.PROGRAM, binary)
     with open(daemon, "w", encoding="utf-8") as script:
         script.write(f'#!/bin/sh\nexec python3 {tap.source("tests/clients/fake_daemon.py")} "$@"\n')
     os.chmod(daemon, 0o755)

@@ -194,7 +194,7 @@ def test_a_plan_shows_effects_and_passes():
 
 def test_a_full_disk_behind_stdout_is_a_failure():
     with open("/dev/full", "w", encoding="ascii") as full:
-        run = subprocess.run([cli.program(), "--help"], stdout=full, stderr=subprocess.PIPE,
+        run = subprocess.run([cli.PROGRAM, "--help"], stdout=full, stderr=subprocess.PIPE,
                              check=False)
     assert run.returncode == 1
 
