@@ -31,6 +31,7 @@ UNIT_TESTS = \
 	tests/unit/test_import_gltf \
 	tests/unit/test_import_gltf_scene \
 	tests/unit/test_job \
+	tests/unit/test_jobs \
 	tests/unit/test_json \
 	tests/unit/test_log \
 	tests/unit/test_metrics \
@@ -71,6 +72,7 @@ gltf_expect = tests/unit/glb_maker.c tests/unit/glb_maker.h tests/unit/gltf_expe
 	tests/unit/gltf_expect.h
 tests_unit_test_import_gltf_SOURCES = tests/unit/test_import_gltf.c $(gltf_expect)
 tests_unit_test_import_gltf_scene_SOURCES = tests/unit/test_import_gltf_scene.c $(gltf_expect)
+tests_unit_test_jobs_SOURCES = tests/unit/test_jobs.c $(jobs_fixture)
 tests_unit_test_scheduler_SOURCES = tests/unit/test_scheduler.c $(jobs_fixture)
 tests_unit_test_store_SOURCES = tests/unit/test_store.c tests/unit/fake_scene.c \
 	tests/unit/fake_scene.h
