@@ -66,10 +66,11 @@ glint_status glint_resident_geometry(glint_resident *resident, bool robust,
                                      const struct glint_geometry **out, struct glint_error *err);
 
 // Matte keys of the slot tables: 1 is the background, 2.. are the scene's (object, material, asset)
-// triples. Returns the number of keys, the two first included.
+// triples, hidden ones too; then the names that no instance uses, in keys that nothing has. Returns
+// the number of keys, the two first included.
 struct glint_matte_key {
-    const char *name[3]; // object, material, asset ("" for none)
-    uint32_t id[3];      // Cryptomatte IDs; 0 for an empty asset
+    const char *name[3]; // object, material, asset ("" or NULL for none)
+    uint32_t id[3];      // Cryptomatte IDs; 0 for no name
 };
 uint32_t glint_resident_mattes(const glint_resident *resident, const struct glint_matte_key **keys);
 
