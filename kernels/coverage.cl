@@ -8,11 +8,13 @@
 // tables: [256][slots + 1], the last word of a pixel counts what found no slot; from `offset` slots
 // on. step: lanes from one sample of a pixel to the next.
 __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32 stride,
-                               const gk_u32 lane, const gk_u32 step, const gk_u32 samples,
+                               const gk_u32 n, const gk_u32 lane, const gk_u32 step, const gk_u32 samples,
                                __global gk_u64 *restrict tables, const gk_u32 offset,
                                const gk_u32 slots, const gk_u32 policy)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
+    if (i >= n)
+        return;
     __global gk_u64 *table = tables + offset + i * (slots + 1u);
     gk_u32 key = GK_LOAD_U32(GK_COL_KEY, lane + i);
     gk_u64 amount = 0, lost = 0;

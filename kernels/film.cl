@@ -5,10 +5,12 @@
 // One item per pixel. lane: that of the tile's first pixel; film: planes of the tile, from `offset`
 // words on; `half_index` 0 or 1.
 __kernel void accumulate_colour(const __global float *restrict wave, const gk_u32 stride,
-                                const gk_u32 lane, __global float *restrict film,
+                                const gk_u32 n, const gk_u32 lane, __global float *restrict film,
                                 const gk_u32 offset, const gk_u32 half_index)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
+    if (i >= n)
+        return;
     const gk_f32 r = GK_LOAD(GK_COL_LR, lane + i), g = GK_LOAD(GK_COL_LG, lane + i),
                  b = GK_LOAD(GK_COL_LB, lane + i);
     const gk_i32 finite = gk_isfinite(r) && gk_isfinite(g) && gk_isfinite(b);
@@ -25,9 +27,12 @@ __kernel void accumulate_colour(const __global float *restrict wave, const gk_u3
 
 #ifdef GK_AOVS
 __kernel void accumulate_aovs(const __global float *restrict wave, const gk_u32 stride,
-                              const gk_u32 lane, __global float *restrict film, const gk_u32 offset)
+                              const gk_u32 n, const gk_u32 lane, __global float *restrict film,
+                              const gk_u32 offset)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
+    if (i >= n)
+        return;
     __global float *tile = film + offset + GK_PLANES_BASE * GK_TILE_PIXELS;
     tile[i] = gk_min(tile[i], GK_LOAD(GK_COL_Z, lane + i));
     __global float *normal = tile + GK_AOV_NORMAL * GK_TILE_PIXELS;

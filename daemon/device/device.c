@@ -37,7 +37,7 @@ static char *device_text(cl_device_id device, cl_device_info what)
 
 static glint_status open_queues(glint_devices *d, struct glint_error *err)
 {
-    for (uint32_t i = 0; i < d->workers; i++) {
+    for (uint32_t i = 0; i < d->slots; i++) {
         cl_int code;
         d->worker[i] = (glint_worker){.devices = d, .index = i};
         d->worker[i].queue =
@@ -50,11 +50,11 @@ static glint_status open_queues(glint_devices *d, struct glint_error *err)
 
 static glint_status open_context(glint_devices *d, const char *cache_dir, struct glint_error *err)
 {
-    glint_status st = glint_platform_open(d->device, d->workers, cache_dir, err);
+    glint_status st = glint_platform_open(d->device, d->slots, cache_dir, err);
     if (st)
         return st;
     cl_int code;
-    d->context = clCreateContext(NULL, d->workers, d->device, NULL, NULL, &code);
+    d->context = clCreateContext(NULL, d->slots, d->device, NULL, NULL, &code);
     if (code)
         return glint_cl_fail(err, "clCreateContext", code);
     d->name = device_text(d->device[0], CL_DEVICE_NAME);
@@ -76,8 +76,9 @@ glint_status glint_devices_create(glint_devices **out, uint32_t workers, const c
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for devices");
     pthread_mutex_init(&d->build, NULL);
     d->workers = workers ? workers : cores();
-    d->device = calloc(d->workers, sizeof *d->device);
-    d->worker = calloc(d->workers, sizeof *d->worker);
+    d->slots = d->workers + 1;
+    d->device = calloc(d->slots, sizeof *d->device);
+    d->worker = calloc(d->slots, sizeof *d->worker);
     glint_status st = !d->device || !d->worker
                           ? glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u workers", workers)
                           : open_context(d, cache_dir, err);
@@ -96,7 +97,7 @@ void glint_devices_destroy(glint_devices **devices)
         return;
     *devices = NULL;
     glint_programs_destroy(d);
-    for (uint32_t i = 0; d->worker && i < d->workers; i++)
+    for (uint32_t i = 0; d->worker && i < d->slots; i++)
         if (d->worker[i].queue)
             clReleaseCommandQueue(d->worker[i].queue);
     if (d->context)
@@ -119,6 +120,11 @@ glint_worker *glint_devices_worker(glint_devices *devices, uint32_t index)
 {
     assert(index < devices->workers);
     return &devices->worker[index];
+}
+
+glint_worker *glint_devices_spare(glint_devices *devices)
+{
+    return &devices->worker[devices->workers];
 }
 
 uint32_t glint_worker_index(const glint_worker *worker)

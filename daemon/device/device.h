@@ -28,6 +28,10 @@ void glint_devices_destroy(glint_devices **devices);
 
 uint32_t glint_devices_workers(const glint_devices *devices);
 glint_worker *glint_devices_worker(glint_devices *devices, uint32_t index);
+// One worker more, that renders nothing: PoCL compiles a kernel when it is first launched, seconds
+// of work, so whoever prepares a job launches its kernels here before any real worker does. One
+// thread at a time.
+glint_worker *glint_devices_spare(glint_devices *devices);
 uint32_t glint_worker_index(const glint_worker *worker);
 
 // Sets rounding and flush-to-zero for the calling thread: every thread that runs kernels or traces

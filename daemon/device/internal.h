@@ -16,9 +16,10 @@ struct glint_worker {
 
 struct glint_devices {
     cl_context context;
-    cl_device_id *device; // [workers]
-    glint_worker *worker; // [workers]
+    cl_device_id *device; // [slots]
+    glint_worker *worker; // [slots]
     uint32_t workers;
+    uint32_t slots; // the workers and the spare
     char *name, *version;
     char *source;           // the embedded kernels, expanded
     pthread_mutex_t build;  // guards `program`, held while one is built
@@ -43,8 +44,8 @@ struct glint_program {
     atomic_uint references; // one is the cache's
     char key[65];
     cl_program object;
-    uint32_t workers;
-    struct kernels *kernels; // [workers]: each owned by its worker
+    uint32_t slots;
+    struct kernels *kernels; // [slots]: each owned by its worker
 };
 
 struct glint_buffer {

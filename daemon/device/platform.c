@@ -26,7 +26,7 @@ static void name_devices(uint32_t count)
 {
     if (count < FEWEST_DEVICES)
         count = FEWEST_DEVICES;
-    char list[256 * sizeof "basic" + 1] = "basic";
+    char list[257 * sizeof "basic"] = "basic"; // as many workers as there may be, and the spare
     for (uint32_t i = 1; i < count; i++)
         strcat(list, " basic");
     setenv("POCL_DEVICES", list, 0);

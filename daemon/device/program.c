@@ -57,7 +57,7 @@ static glint_status compile(glint_program *p, glint_devices *devices, const char
     char *all = NULL;
     if (asprintf(&all, COMMON_OPTIONS " %s", options) < 0)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for build options");
-    code = clBuildProgram(p->object, devices->workers, devices->device, all, NULL, NULL);
+    code = clBuildProgram(p->object, devices->slots, devices->device, all, NULL, NULL);
     if (code)
         fail_with_log(err, p->object, devices->device[0], all);
     free(all);
@@ -66,7 +66,7 @@ static glint_status compile(glint_program *p, glint_devices *devices, const char
 
 static void destroy(glint_program *p)
 {
-    for (uint32_t i = 0; p->kernels && i < p->workers; i++)
+    for (uint32_t i = 0; p->kernels && i < p->slots; i++)
         for (size_t k = 0; k < p->kernels[i].count; k++)
             clReleaseKernel(p->kernels[i].kernel[k].object);
     if (p->object)
@@ -80,12 +80,12 @@ static glint_status create(glint_program **out, glint_devices *devices, const ch
 {
     glint_program *p = calloc(1, sizeof *p);
     if (p)
-        p->kernels = calloc(devices->workers, sizeof *p->kernels);
+        p->kernels = calloc(devices->slots, sizeof *p->kernels);
     if (!p || !p->kernels) {
         free(p);
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a program");
     }
-    p->workers = devices->workers;
+    p->slots = devices->slots;
     strcpy(p->key, key);
     glint_status st = compile(p, devices, source, options, err);
     if (st) {

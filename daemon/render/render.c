@@ -84,7 +84,7 @@ static glint_status prepare(struct glint_render *r, uint64_t force, struct glint
     r->wave_job.matte_policy = r->job.dial[GLINT_DIAL_EVICTION] == 0 ? GK_MATTE_DROP : GK_MATTE_DIRECT_FIRST;
     r->target = r->job.stop.samples;
     pass_begin(r, 0);
-    return GLINT_OK;
+    return glint_wave_compile(r->devices, &r->wave_job, err);
 }
 
 glint_status glint_render_create_forced(glint_render **out, struct glint_devices *devices,

@@ -4,9 +4,8 @@
 #include "kernels/gk_film.h"
 #include "kernels/gk_wave.h"
 
-#include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
-#include <string.h>
 
 // Not a power of two, so that columns do not fall on the same cache sets.
 #define STRIDE (GLINT_WAVE_LANES + 16u)
@@ -85,9 +84,10 @@ static void charge(struct run *r, enum glint_pass pass)
 #define BUFFER(b) {.buffer = (b)}
 #define VALUE(v) {.value = &(v), .size = sizeof(v)}
 
+// Kernels do nothing beyond their n; one group at least, so that n = 0 still compiles them.
 static size_t rounded(uint32_t n)
 {
-    return (n + GROUP - 1) / GROUP * (size_t)GROUP;
+    return n ? (n + GROUP - 1) / GROUP * (size_t)GROUP : GROUP;
 }
 
 static glint_status launch(struct run *r, const char *kernel, uint32_t items, const struct glint_arg *args,
@@ -177,30 +177,33 @@ static glint_status trace_paths(struct run *r)
     return st;
 }
 
-static glint_status accumulate_sample(struct run *r, const struct glint_film_tile *at, uint32_t lane,
-                                      uint32_t sample)
+static glint_status accumulate_sample(struct run *r, const struct glint_film_tile *at, uint32_t n,
+                                      uint32_t lane, uint32_t sample)
 {
     const uint32_t stride = STRIDE, half = sample & 1;
-    const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride),             VALUE(lane),
-                                     BUFFER(at->planes),       VALUE(at->planes_offset), VALUE(half)};
-    glint_status st = launch(r, "accumulate_colour", GK_TILE_PIXELS, args, 6);
+    const struct glint_arg args[] = {BUFFER(r->wave->columns),  VALUE(stride),
+                                     VALUE(n),                  VALUE(lane),
+                                     BUFFER(at->planes),        VALUE(at->planes_offset),
+                                     VALUE(half)};
+    glint_status st = launch(r, "accumulate_colour", n, args, 7);
     charge(r, GLINT_PASS_COLOUR);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_AOVS)) {
-        st = launch(r, "accumulate_aovs", GK_TILE_PIXELS, args, 5);
+        st = launch(r, "accumulate_aovs", n, args, 6);
         charge(r, GLINT_PASS_AOVS);
     }
     return st;
 }
 
-static glint_status deposit_coverage(struct run *r, const struct glint_film_tile *at, uint32_t lane)
+static glint_status deposit_coverage(struct run *r, const struct glint_film_tile *at, uint32_t n,
+                                     uint32_t lane)
 {
     const uint32_t stride = STRIDE, step = 1u << r->pixels_log2, samples = r->block->samples;
     const struct glint_arg args[] = {BUFFER(r->wave->columns),  VALUE(stride),
-                                     VALUE(lane),               VALUE(step),
-                                     VALUE(samples),            BUFFER(at->tables),
-                                     VALUE(at->tables_offset),  VALUE(r->job->matte_slots),
-                                     VALUE(r->job->matte_policy)};
-    const glint_status st = launch(r, "deposit_coverage", GK_TILE_PIXELS, args, 9);
+                                     VALUE(n),                  VALUE(lane),
+                                     VALUE(step),               VALUE(samples),
+                                     BUFFER(at->tables),        VALUE(at->tables_offset),
+                                     VALUE(r->job->matte_slots), VALUE(r->job->matte_policy)};
+    const glint_status st = launch(r, "deposit_coverage", n, args, 10);
     charge(r, GLINT_PASS_COVERAGE);
     return st;
 }
@@ -211,10 +214,10 @@ static glint_status accumulate_tile(struct run *r, glint_film *film, uint32_t ti
     glint_film_tile(film, tile, &at);
     glint_status st = GLINT_OK;
     for (uint32_t s = 0; !st && s < r->block->samples; s++)
-        st = accumulate_sample(r, &at, (s << r->pixels_log2) + tile_in_block * GK_TILE_PIXELS,
+        st = accumulate_sample(r, &at, GK_TILE_PIXELS, (s << r->pixels_log2) + tile_in_block * GK_TILE_PIXELS,
                                r->block->sample + s);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_COVERAGE))
-        st = deposit_coverage(r, &at, tile_in_block * GK_TILE_PIXELS);
+        st = deposit_coverage(r, &at, GK_TILE_PIXELS, tile_in_block * GK_TILE_PIXELS);
     return st;
 }
 
@@ -229,5 +232,39 @@ glint_status glint_wave_run(glint_wave *wave, glint_worker *worker, const struct
         for (uint32_t x = 0; !st && x < side && block->column + x < glint_film_columns(film); x++)
             st = accumulate_tile(&r, film, y * side + x,
                                  (block->row + y) * glint_film_columns(film) + block->column + x);
+    return st;
+}
+
+// Launches every kernel of the plan over no item.
+static glint_status launch_all(struct run *r)
+{
+    const uint32_t stride = STRIDE, none = 0;
+    const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(none)};
+    const struct glint_film_tile nowhere = {r->wave->columns, 0, r->wave->columns, 0};
+    glint_status st = generate(r);
+    if (!st)
+        st = shade(r, 0);
+    if (!st && glint_plan_has(r->job->plan, GLINT_PASS_UNOCCLUDED))
+        st = launch(r, "add_unoccluded", 0, args, 3);
+    if (!st)
+        st = accumulate_sample(r, &nowhere, 0, 0, 0);
+    if (!st && glint_plan_has(r->job->plan, GLINT_PASS_COVERAGE))
+        st = deposit_coverage(r, &nowhere, 0, 0);
+    return st;
+}
+
+glint_status glint_wave_compile(glint_devices *devices, const struct glint_wave_job *job, struct glint_error *err)
+{
+    static pthread_mutex_t one_at_a_time = PTHREAD_MUTEX_INITIALIZER;
+    const struct glint_wave_block nothing = {0};
+    glint_wave *wave;
+    glint_status st = glint_wave_create(&wave, devices, err);
+    if (st)
+        return st;
+    struct run r = {wave, glint_devices_spare(devices), job, &nothing, err, 0, 0, glint_now()};
+    pthread_mutex_lock(&one_at_a_time);
+    st = launch_all(&r);
+    pthread_mutex_unlock(&one_at_a_time);
+    glint_wave_destroy(&wave);
     return st;
 }

@@ -34,6 +34,10 @@ typedef struct glint_wave glint_wave;
 glint_status glint_wave_create(glint_wave **out, glint_devices *devices, struct glint_error *err);
 void glint_wave_destroy(glint_wave **wave);
 
+// Compiles the job's kernels on the spare worker: seconds the first time, then from the cache.
+glint_status glint_wave_compile(glint_devices *devices, const struct glint_wave_job *job,
+                                struct glint_error *err);
+
 // Traces `samples` samples from index `sample` on, of the block of film tiles whose first is at
 // (column, row), 2^tiles_log2 tiles wide and high, and adds them to the film. The block's pixels
 // times samples are at most GLINT_WAVE_LANES.
