@@ -21,6 +21,7 @@ struct client {
     uint64_t number;
     int fd;
     double deadline; // on glint_now()'s clock
+    bool ended;      // sends nothing more
     void (*left)(void *user);
     void *user;
 };
@@ -45,25 +46,37 @@ static struct client *find(glint_watch *w, uint64_t number)
     return c;
 }
 
-static void client_left(glint_watch *w, uint64_t number)
+// Tells whoever attends. Otherwise the library is to find out: it takes a short read for the last
+// one and so misses an end of file that came with the last bytes. This raises another event; what
+// was sent before can still be read, and answered.
+static void end_of_client(struct client *c)
 {
-    struct client *c = find(w, number);
-    if (!c || !c->left)
-        return;
     void (*left)(void *) = c->left;
     c->left = NULL;
-    left(c->user);
+    if (left)
+        left(c->user);
+    else
+        shutdown(c->fd, SHUT_RD);
 }
 
-// Both directions are shut, so the library reads an end of file and closes.
-static void end_dawdlers(glint_watch *w)
+static void look_after(glint_watch *w)
 {
     const double now = glint_now();
-    for (struct client *c = w->first; c; c = c->next)
+    for (struct client *c = w->first; c; c = c->next) {
+        if (c->ended)
+            end_of_client(c);
         if (now > c->deadline) {
             c->deadline = INFINITY;
-            shutdown(c->fd, SHUT_RDWR);
+            shutdown(c->fd, SHUT_RDWR); // the library reads an end of file and closes
         }
+    }
+}
+
+static void mark_ended(glint_watch *w, uint64_t number)
+{
+    struct client *c = find(w, number);
+    if (c)
+        c->ended = true;
 }
 
 // Waits for events until `until`. Returns true if there was a wake.
@@ -76,9 +89,10 @@ static bool wait_for_events(glint_watch *w, double until)
     pthread_mutex_lock(&w->mutex);
     for (int i = 0; i < n; i++)
         if (event[i].data.u64 != WAKE)
-            client_left(w, event[i].data.u64);
+            mark_ended(w, event[i].data.u64);
         else
             woken = true;
+    look_after(w);
     pthread_mutex_unlock(&w->mutex);
     return woken;
 }
@@ -86,7 +100,6 @@ static bool wait_for_events(glint_watch *w, double until)
 static bool stopped(glint_watch *w)
 {
     pthread_mutex_lock(&w->mutex);
-    end_dawdlers(w);
     const bool stop = w->stop;
     pthread_mutex_unlock(&w->mutex);
     return stop;
@@ -181,6 +194,8 @@ uint64_t glint_watch_add(glint_watch *watch, int fd, double seconds)
     watch->first = c;
     watch->clients++;
     const uint64_t number = c->number;
+    struct epoll_event end = {.events = EPOLLRDHUP | EPOLLET, .data.u64 = number};
+    epoll_ctl(watch->poll, EPOLL_CTL_ADD, fd, &end);
     pthread_mutex_unlock(&watch->mutex);
     return number;
 }
@@ -190,7 +205,7 @@ void glint_watch_remove(glint_watch *watch, uint64_t client)
     pthread_mutex_lock(&watch->mutex);
     struct client *c = find(watch, client);
     if (c) {
-        epoll_ctl(watch->poll, EPOLL_CTL_DEL, c->fd, NULL); // may never have been added
+        epoll_ctl(watch->poll, EPOLL_CTL_DEL, c->fd, NULL);
         *(c->previous ? &c->previous->next : &watch->first) = c->next;
         if (c->next)
             c->next->previous = c->previous;
@@ -216,11 +231,6 @@ void glint_watch_attend(glint_watch *watch, uint64_t client, void (*left)(void *
     if (c) {
         c->left = left;
         c->user = user;
-        // Adding the descriptor anew reports an end that came before.
-        struct epoll_event e = {.events = EPOLLRDHUP | EPOLLET, .data.u64 = client};
-        epoll_ctl(watch->poll, EPOLL_CTL_DEL, c->fd, NULL);
-        if (left)
-            epoll_ctl(watch->poll, EPOLL_CTL_ADD, c->fd, &e);
     }
     pthread_mutex_unlock(&watch->mutex);
 }
