@@ -15,6 +15,8 @@ UNIT_TESTS = \
 	tests/kernel/test_matte \
 	tests/kernel/test_sampler \
 	tests/render/test_effects \
+	tests/render/test_matte_names \
+	tests/render/test_mattes \
 	tests/render/test_transport \
 	tests/unit/test_arena \
 	tests/unit/test_contract \
@@ -49,9 +51,12 @@ check_PROGRAMS += $(UNIT_TESTS)
 endif
 check_PROGRAMS += tests/render/render_file tests/render/write_frame tests/unit/import_dump
 offline = tests/render/offline.c tests/render/offline.h
+things = tests/render/picture.c tests/render/picture.h tests/render/things.c tests/render/things.h
 tests_render_render_file_SOURCES = tests/render/render_file.c $(offline)
 tests_render_test_transport_SOURCES = tests/render/test_transport.c $(offline)
 tests_render_test_effects_SOURCES = tests/render/test_effects.c $(offline)
+tests_render_test_matte_names_SOURCES = tests/render/test_matte_names.c $(offline) $(things)
+tests_render_test_mattes_SOURCES = tests/render/test_mattes.c $(offline) $(things)
 tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
 
 # Measurements: built and run by name.
