@@ -8,9 +8,9 @@
 // tables: [256][slots + 1], the last word of a pixel counts what found no slot; from `offset` slots
 // on. step: lanes from one sample of a pixel to the next.
 __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32 stride,
-                               const gk_u32 n, const gk_u32 lane, const gk_u32 step, const gk_u32 samples,
-                               __global gk_u64 *restrict tables, const gk_u32 offset,
-                               const gk_u32 slots, const gk_u32 policy)
+                               const gk_u32 n, const gk_u32 lane, const gk_u32 step,
+                               const gk_u32 samples, __global gk_u64 *restrict tables,
+                               const gk_u32 offset, const gk_u32 slots, const gk_u32 policy)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
     if (i >= n)

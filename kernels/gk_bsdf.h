@@ -50,8 +50,8 @@ GK_INLINE void gk_surface_prepare(struct gk_surface *s, gk_f32 cos_o)
     s->fresnel_o = gk_fresnel_dielectric(cos_o, s->eta);
     const gk_f32 below = (1.0f - s->metallic) * (1.0f - s->fresnel_o) * gk_mean3(s->base);
     const gk_f32 diffuse = below * (1.0f - s->transmission);
-    const gk_f32 other = below * s->transmission + s->metallic * gk_mean3(fm)
-                         + (1.0f - s->metallic) * s->fresnel_o;
+    const gk_f32 other =
+        below * s->transmission + s->metallic * gk_mean3(fm) + (1.0f - s->metallic) * s->fresnel_o;
     const gk_f32 sum = diffuse + other;
     s->p_diffuse = sum > 0.0f ? diffuse / sum : 1.0f;
     s->delta = s->alpha < GK_ALPHA_DELTA;
@@ -115,8 +115,8 @@ GK_INLINE struct gk_vec gk_ggx_sample(struct gk_vec wo, gk_f32 alpha, gk_f32 u, 
     gk_sincos_2pi(u, &sine, &cosine);
     const gk_f32 z = (1.0f - v) * (1.0f + o.z) - o.z;
     const gk_f32 r = gk_sqrt(gk_max(1.0f - z * z, 0.0f));
-    const struct gk_vec h = gk_vec((r * cosine + o.x) * alpha, (r * sine + o.y) * alpha,
-                                   gk_max(z + o.z, 1e-7f));
+    const struct gk_vec h =
+        gk_vec((r * cosine + o.x) * alpha, (r * sine + o.y) * alpha, gk_max(z + o.z, 1e-7f));
     return gk_normalise(h);
 }
 
@@ -164,7 +164,7 @@ GK_INLINE void gk_facet_eval(const struct gk_surface *s, struct gk_vec wo, struc
     const gk_f32 so = gk_ggx_s(wo.z, a2), si = gk_ggx_s(zi, a2);
     const gk_f32 d = gk_ggx_d(h, a2);
     const gk_f32 masked = 2.0f * zi / (so * zi + si * wo.z); // G2/wo.z
-    const gk_f32 visible = 2.0f / (wo.z + so);                 // G1/wo.z
+    const gk_f32 visible = 2.0f / (wo.z + so);               // G1/wo.z
     const struct gk_facet m = gk_facet_make(s, gk_clamp(ho, 0.0f, 1.0f));
     const gk_f32 p = 1.0f - s->p_diffuse;
 
@@ -188,8 +188,8 @@ GK_INLINE void gk_facet_eval(const struct gk_surface *s, struct gk_vec wo, struc
     value->pdf += valid ? p * chosen * pdf : 0.0f;
 }
 
-GK_INLINE void gk_facet_sample(const struct gk_surface *s, struct gk_vec wo, gk_f32 u_lobe, gk_f32 u,
-                               gk_f32 v, struct gk_bsdf_sample *out)
+GK_INLINE void gk_facet_sample(const struct gk_surface *s, struct gk_vec wo, gk_f32 u_lobe,
+                               gk_f32 u, gk_f32 v, struct gk_bsdf_sample *out)
 {
     const struct gk_vec n = gk_vec(0.0f, 0.0f, 1.0f);
     const struct gk_vec h = gk_vec_select(gk_ggx_sample(wo, s->alpha, u, v), n, s->delta);
@@ -201,7 +201,8 @@ GK_INLINE void gk_facet_sample(const struct gk_surface *s, struct gk_vec wo, gk_
     const gk_i32 reflect = u_lobe < m.p_reflect;
     const struct gk_vec through = gk_vec(reflected.x, reflected.y, -reflected.z);
     const struct gk_vec bent = gk_refract(wo, h, cos_m, s->eta);
-    const struct gk_vec wi = gk_vec_select(gk_vec_select(bent, through, s->thin), reflected, reflect);
+    const struct gk_vec wi =
+        gk_vec_select(gk_vec_select(bent, through, s->thin), reflected, reflect);
     // One that left on the wrong side is lost: that side's density does not know of it.
     out->wi = gk_vec_select(wi, gk_splat(0.0f), (wi.z > 0.0f) != reflect);
     const gk_f32 scale = s->thin ? 1.0f : 1.0f / (s->eta * s->eta);
@@ -244,8 +245,7 @@ GK_INLINE struct gk_bsdf_sample gk_bsdf_sample(const struct gk_surface *s, struc
     gk_f32 sine, cosine;
     gk_sincos_2pi(u, &sine, &cosine);
     const gk_f32 r = gk_sqrt(v);
-    const struct gk_vec cosine_wi =
-        gk_vec(r * cosine, r * sine, gk_sqrt(gk_max(1.0f - v, 0.0f)));
+    const struct gk_vec cosine_wi = gk_vec(r * cosine, r * sine, gk_sqrt(gk_max(1.0f - v, 0.0f)));
     struct gk_bsdf_sample out;
 #ifdef GK_MICROFACET
     const gk_i32 diffuse = u_lobe < s->p_diffuse;

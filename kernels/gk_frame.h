@@ -11,7 +11,7 @@ struct gk_frame {
     gk_f32 corner[3];  // from the origin to the top left corner of the image on that plane
     gk_f32 forward[3]; // unit view axis
     gk_f32 lens_right[3], lens_up[3]; // scaled by the lens radius; 0: pinhole
-    gk_f32 focus;      // metres along `forward`
+    gk_f32 focus;                     // metres along `forward`
     gk_u32 has_lens;
     gk_u32 seed;
     gk_u32 max_bounces;
@@ -20,9 +20,9 @@ struct gk_frame {
     gk_u32 lights;         // entries of the light table
     gk_f32 environment[3]; // constant radiance, or factor of the image
     gk_u32 env_width, env_height, env_cell_width, env_cell_height;
-    gk_f32 env_cos, env_sin; // of its rotation
-    gk_f32 env_choice;       // probability that a light sample goes to the environment image
-    gk_u32 has_env_image; // else `environment` is the radiance everywhere
+    gk_f32 env_cos, env_sin;    // of its rotation
+    gk_f32 env_choice;          // probability that a light sample goes to the environment image
+    gk_u32 has_env_image;       // else `environment` is the radiance everywhere
     gk_u32 has_blackman_harris; // else the filter is a box
     gk_u32 frame;
     gk_f32 unused[3];
@@ -32,11 +32,11 @@ GK_LAYOUT(gk_frame, 176);
 // Where the lanes of one launch lie in the image.
 // A lane is sample * pixels + pixel; pixels are tiles of 16x16 side by side, row-major in a tile.
 struct gk_wave_rect {
-    gk_u32 x, y;              // first pixel in the display window
-    gk_u32 x_end, y_end;      // first pixel beyond the region
-    gk_u32 tiles_log2;        // log2 of the tiles in a row
-    gk_u32 pixels_log2;       // log2 of the pixels of one sample
-    gk_u32 sample;            // index of the first sample
+    gk_u32 x, y;         // first pixel in the display window
+    gk_u32 x_end, y_end; // first pixel beyond the region
+    gk_u32 tiles_log2;   // log2 of the tiles in a row
+    gk_u32 pixels_log2;  // log2 of the pixels of one sample
+    gk_u32 sample;       // index of the first sample
     gk_u32 lanes;
 };
 GK_LAYOUT(gk_wave_rect, 32);

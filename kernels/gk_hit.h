@@ -23,11 +23,11 @@ struct gk_raw_hit {
 };
 
 struct gk_hit {
-    struct gk_vec ng, ns;  // unit, world, on the side that the ray came from
-    gk_f32 cos_g;          // of the ray with the front side's geometric normal, signed; > 0: back
-    gk_f32 tu, tv;         // texture coordinates
-    gk_u32 triangle;       // record
-    gk_u32 instance;       // row
+    struct gk_vec ng, ns; // unit, world, on the side that the ray came from
+    gk_f32 cos_g;         // of the ray with the front side's geometric normal, signed; > 0: back
+    gk_f32 tu, tv;        // texture coordinates
+    gk_u32 triangle;      // record
+    gk_u32 instance;      // row
     gk_u32 material;
 };
 
@@ -69,10 +69,10 @@ GK_INLINE struct gk_vec gk_mapped_normal(const struct gk_resident *r, const stru
     const struct gk_vec inner =
         gk_vec((n.r * 2.0f - 1.0f) * m->normal_scale, (n.g * 2.0f - 1.0f) * m->normal_scale,
                gk_max(n.b * 2.0f - 1.0f, 0.0f));
-    const struct gk_vec mapped = gk_normalise(gk_along(
-        gk_along(gk_scale(tangent, inner.x), bitangent, inner.y), hit->ns, inner.z));
-    const gk_i32 usable = m->normal_texture != GK_NONE && gk_dot(tangent, tangent) > 0.5f
-                          && gk_dot(mapped, mapped) > 0.5f;
+    const struct gk_vec mapped = gk_normalise(
+        gk_along(gk_along(gk_scale(tangent, inner.x), bitangent, inner.y), hit->ns, inner.z));
+    const gk_i32 usable = m->normal_texture != GK_NONE && gk_dot(tangent, tangent) > 0.5f &&
+                          gk_dot(mapped, mapped) > 0.5f;
     return gk_vec_select(hit->ns, mapped, usable);
 }
 #endif

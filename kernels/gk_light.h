@@ -12,11 +12,11 @@
 #include "kernels/gk_vec.h"
 
 struct gk_light_sample {
-    struct gk_vec wi;   // unit, towards the light
-    gk_f32 distance;    // to it, +inf for sun and environment; <= 0: nothing to be had
-    struct gk_vec L;    // radiance; of a delta light: its L over the probability, pdf is then 1
-    gk_f32 pdf;         // 1/sr, choice included
-    gk_i32 delta;       // no BSDF sample can hit it
+    struct gk_vec wi; // unit, towards the light
+    gk_f32 distance;  // to it, +inf for sun and environment; <= 0: nothing to be had
+    struct gk_vec L;  // radiance; of a delta light: its L over the probability, pdf is then 1
+    gk_f32 pdf;       // 1/sr, choice included
+    gk_i32 delta;     // no BSDF sample can hit it
     gk_u32 triangle, material; // of a textured emitter, and where on it:
     gk_f32 u, v;               // barycentrics of its second and third vertex
 };
@@ -59,7 +59,8 @@ GK_INLINE gk_f32 gk_triangle_light_pdf(const GK_GLOBAL struct gk_light *light, g
     return choice * t * t / (gk_max(cosine, 1e-7f) * area);
 }
 
-GK_INLINE gk_u32 gk_alias_choose(const GK_GLOBAL struct gk_alias *table, gk_u32 n, gk_f32 u, gk_f32 v)
+GK_INLINE gk_u32 gk_alias_choose(const GK_GLOBAL struct gk_alias *table, gk_u32 n, gk_f32 u,
+                                 gk_f32 v)
 {
     const gk_i32 slot = (gk_i32)(u * (gk_f32)(gk_i32)n);
     const gk_u32 i = (gk_u32)gk_max_i32(gk_min_i32(slot, (gk_i32)n - 1), 0);

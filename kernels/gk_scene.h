@@ -13,7 +13,7 @@
 struct gk_triangle {
     gk_f32 normal[9]; // at the three vertices, in the space of the mesh; all zero: flat
     gk_f32 uv[6];
-    gk_u32 light;     // index of its gk_light, GK_NONE: not sampled
+    gk_u32 light; // index of its gk_light, GK_NONE: not sampled
 };
 GK_LAYOUT(gk_triangle, 64);
 
@@ -28,7 +28,7 @@ GK_LAYOUT(gk_tangent, 48);
 struct gk_instance {
     gk_u32 triangle; // first record of its mesh
     gk_u32 material;
-    gk_u32 matte;    // index of its (object, material, asset); 1 is the background
+    gk_u32 matte; // index of its (object, material, asset); 1 is the background
     gk_u32 flags;
     gk_f32 normal[9]; // inverse transpose, row-major
     gk_f32 unused[3];
@@ -64,7 +64,7 @@ struct gk_texture {
     gk_u32 offset; // of the first texel in its pool
     gk_u32 pool;   // 0..3
     gk_u32 width, height;
-    gk_u32 tiles;  // per row
+    gk_u32 tiles; // per row
     gk_u32 flags;
     gk_u32 image; // of the scene, to find a record again
     gk_u32 unused;
@@ -79,9 +79,10 @@ GK_LAYOUT(gk_texture, 32);
 struct gk_light {
     gk_f32 p[3]; // triangle: first vertex; point: position; sun: direction towards it
     gk_f32 a[3]; // triangle: edge to the second vertex; spot: axis
-    gk_f32 b[3]; // triangle: edge to the third; spot: cos of the outer cone, 1/(cos in - cos out), -
-    gk_f32 L[3]; // triangle: radiance before texture; point: W/sr; sun: W/m^2
-    gk_u32 kind; // GK_LIGHT_* | two-sided << 4
+    gk_f32
+        b[3]; // triangle: edge to the third; spot: cos of the outer cone, 1/(cos in - cos out), -
+    gk_f32 L[3];     // triangle: radiance before texture; point: W/sr; sun: W/m^2
+    gk_u32 kind;     // GK_LIGHT_* | two-sided << 4
     gk_u32 triangle; // record, GK_NONE for other kinds
     gk_u32 material; // of a triangle whose emission is textured, else GK_NONE
     gk_f32 choice;   // probability that the alias table chooses it

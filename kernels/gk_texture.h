@@ -105,10 +105,10 @@ GK_INLINE struct gk_texel gk_texture_fetch(const struct gk_texture_pools *p, gk_
     const gk_u32 b10 = gk_texel_bits(p, pool, gk_texel_index(t, x.upper, y.lower));
     const gk_u32 b01 = gk_texel_bits(p, pool, gk_texel_index(t, x.lower, y.upper));
     const gk_u32 b11 = gk_texel_bits(p, pool, gk_texel_index(t, x.upper, y.upper));
-    const struct gk_texel top = gk_texel_mix(gk_texel_decode(p, b00, linear),
-                                             gk_texel_decode(p, b10, linear), x.weight);
-    const struct gk_texel bottom = gk_texel_mix(gk_texel_decode(p, b01, linear),
-                                                gk_texel_decode(p, b11, linear), x.weight);
+    const struct gk_texel top =
+        gk_texel_mix(gk_texel_decode(p, b00, linear), gk_texel_decode(p, b10, linear), x.weight);
+    const struct gk_texel bottom =
+        gk_texel_mix(gk_texel_decode(p, b01, linear), gk_texel_decode(p, b11, linear), x.weight);
     struct gk_texel r = gk_texel_mix(top, bottom, y.weight);
     r.r = none ? 1.0f : r.r;
     r.g = none ? 1.0f : r.g;

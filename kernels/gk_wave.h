@@ -19,7 +19,7 @@
 #define GK_COL_BETA_R 7
 #define GK_COL_BETA_G 8
 #define GK_COL_BETA_B 9
-#define GK_COL_PDF 10  // solid-angle pdf of the last direction; -1: camera ray or delta lobe
+#define GK_COL_PDF 10 // solid-angle pdf of the last direction; -1: camera ray or delta lobe
 #define GK_COL_LANE 11
 #define GK_COL_DEPTH 12 // bounces so far
 #define GK_COL_MOVED 13
@@ -65,7 +65,7 @@
 #define GK_MATTE_BACKGROUND 1u
 
 // Access by column inside a kernel with `wave` and `stride` in scope.
-#define GK_AT(column, i) ((column) * stride + (i))
+#define GK_AT(column, i) ((column)*stride + (i))
 #define GK_LOAD(column, i) wave[GK_AT(column, i)]
 #define GK_LOAD_U32(column, i) gk_as_u32(wave[GK_AT(column, i)])
 #define GK_STORE(column, i, value) (wave[GK_AT(column, i)] = (value))

@@ -24,7 +24,8 @@ GK_INLINE struct gk_path gk_path_load(const __global float *wave, gk_u32 stride,
     struct gk_path p;
     p.o = gk_vec(GK_LOAD(GK_COL_OX, i), GK_LOAD(GK_COL_OY, i), GK_LOAD(GK_COL_OZ, i));
     p.d = gk_vec(GK_LOAD(GK_COL_DX, i), GK_LOAD(GK_COL_DY, i), GK_LOAD(GK_COL_DZ, i));
-    p.beta = gk_vec(GK_LOAD(GK_COL_BETA_R, i), GK_LOAD(GK_COL_BETA_G, i), GK_LOAD(GK_COL_BETA_B, i));
+    p.beta =
+        gk_vec(GK_LOAD(GK_COL_BETA_R, i), GK_LOAD(GK_COL_BETA_G, i), GK_LOAD(GK_COL_BETA_B, i));
     p.t = GK_LOAD(GK_COL_T, i);
     p.pdf = GK_LOAD(GK_COL_PDF, i);
     p.lane = GK_LOAD_U32(GK_COL_LANE, i);
@@ -97,7 +98,8 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
                                                  struct gk_lane lane, gk_u32 depth, struct gk_vec p)
 {
     gk_f32 choice, keep, u, v;
-    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_CHOICE), &choice, &keep);
+    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_CHOICE), &choice,
+                 &keep);
     gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_POINT), &u, &v);
     const gk_f32 split = frame->env_choice;
     const gk_f32 table = 1.0f - split;
@@ -166,8 +168,7 @@ GK_INLINE void gk_sample_light(__global float *wave, gk_u32 stride, gk_u32 i,
 #ifdef GK_LIGHTS
     const struct gk_path *path = &x->path;
     const struct gk_vec p = gk_along(path->o, path->d, path->t);
-    const struct gk_light_sample s =
-        gk_choose_light(frame, scene, lights, x->lane, path->depth, p);
+    const struct gk_light_sample s = gk_choose_light(frame, scene, lights, x->lane, path->depth, p);
     const struct gk_vec wi = gk_to_local(x->onb, s.wi);
     const struct gk_bsdf_value value = gk_bsdf_eval(&x->surface, x->wo, wi);
     const gk_f32 side = gk_dot(s.wi, x->hit.ng);
@@ -180,7 +181,8 @@ GK_INLINE void gk_sample_light(__global float *wave, gk_u32 stride, gk_u32 i,
     const gk_i32 finite = s.distance < GK_INFINITY;
     const struct gk_vec to = gk_sub(gk_along(p, s.wi, finite ? s.distance : 0.0f), o);
     const gk_f32 length = gk_sqrt(gk_dot(to, to));
-    const struct gk_vec d = gk_vec_select(s.wi, gk_scale(to, 1.0f / gk_max(length, 1e-37f)), finite);
+    const struct gk_vec d =
+        gk_vec_select(s.wi, gk_scale(to, 1.0f / gk_max(length, 1e-37f)), finite);
     GK_STORE(GK_COL_SOX, i, o.x);
     GK_STORE(GK_COL_SOY, i, o.y);
     GK_STORE(GK_COL_SOZ, i, o.z);
@@ -214,8 +216,7 @@ GK_INLINE void gk_sample_bsdf(__global float *wave, gk_u32 stride, gk_u32 i,
 
     // One roulette rule for all jobs, blind to mattes: survive with q >= min(1, mean weight).
     const gk_f32 q = depth >= frame->roulette_start ? gk_min(strongest, 1.0f) : 1.0f;
-    const gk_i32 alive =
-        x->scatters && side * s.wi.z > 0.0f && strongest > 0.0f && u_roulette < q;
+    const gk_i32 alive = x->scatters && side * s.wi.z > 0.0f && strongest > 0.0f && u_roulette < q;
     const struct gk_vec beta = gk_scale(gk_mul(x->path.beta, weight), 1.0f / gk_max(q, 1e-30f));
     const struct gk_vec o = gk_vec_select(x->back, x->front, side > 0.0f);
     GK_STORE(GK_COL_OX, i, o.x);
@@ -315,27 +316,29 @@ GK_INLINE struct gk_environment gk_environment_of(const __global struct gk_frame
     return e;
 }
 
-__kernel void shade_surface(
-    __global float *restrict wave, const gk_u32 stride, const gk_u32 n,
-    const __global struct gk_frame *restrict frame,
-    const __global struct gk_wave_rect *restrict rect,
-    const __global struct gk_triangle *restrict triangles,
-    const __global struct gk_tangent *restrict tangents,
-    const __global struct gk_instance *restrict instances,
-    const __global struct gk_material *restrict materials,
-    const __global struct gk_texture *restrict textures, const __global gk_u32 *restrict pool0,
-    const __global gk_u32 *restrict pool1, const __global gk_u32 *restrict pool2,
-    const __global gk_u32 *restrict pool3, const __global gk_f32 *restrict decode,
-    const __global struct gk_light *restrict light_table,
-    const __global struct gk_alias *restrict alias,
-    const __global struct gk_env_texel *restrict env_texels,
-    const __global struct gk_env_cell *restrict env_cells)
+__kernel void shade_surface(__global float *restrict wave, const gk_u32 stride, const gk_u32 n,
+                            const __global struct gk_frame *restrict frame,
+                            const __global struct gk_wave_rect *restrict rect,
+                            const __global struct gk_triangle *restrict triangles,
+                            const __global struct gk_tangent *restrict tangents,
+                            const __global struct gk_instance *restrict instances,
+                            const __global struct gk_material *restrict materials,
+                            const __global struct gk_texture *restrict textures,
+                            const __global gk_u32 *restrict pool0,
+                            const __global gk_u32 *restrict pool1,
+                            const __global gk_u32 *restrict pool2,
+                            const __global gk_u32 *restrict pool3,
+                            const __global gk_f32 *restrict decode,
+                            const __global struct gk_light *restrict light_table,
+                            const __global struct gk_alias *restrict alias,
+                            const __global struct gk_env_texel *restrict env_texels,
+                            const __global struct gk_env_cell *restrict env_cells)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
     if (i >= n)
         return;
-    const struct gk_resident scene = {triangles, tangents, instances, materials,
-                                      {textures, pool0, pool1, pool2, pool3, decode}};
+    const struct gk_resident scene = {
+        triangles, tangents, instances, materials, {textures, pool0, pool1, pool2, pool3, decode}};
     const struct gk_lights lights = {light_table, alias,
                                      gk_environment_of(frame, env_texels, env_cells)};
     const struct gk_vertex x = gk_vertex_load(wave, stride, i, frame, rect, &scene);

@@ -31,14 +31,20 @@ char *glint_cryptomatte_manifest(const char *const *names, size_t count);
 
 // Names that differ and share an ID, each with its neighbour in bytewise order. *out is malloc'd
 // on success (also for none), its names are the caller's.
-struct glint_cryptomatte_clash { const char *a, *b; };
+struct glint_cryptomatte_clash {
+    const char *a, *b;
+};
 glint_status glint_cryptomatte_clashes(const char *const *names, size_t count,
                                        struct glint_cryptomatte_clash **out, size_t *clashes);
 
 // Adds cryptomatte/KEY/{name,hash,conversion,manifest}.
-glint_status glint_cryptomatte_header(struct glint_frame *frame, const char *type, const char *manifest);
+glint_status glint_cryptomatte_header(struct glint_frame *frame, const char *type,
+                                      const char *manifest);
 
-struct glint_cryptomatte_rank { uint32_t id; float coverage; };
+struct glint_cryptomatte_rank {
+    uint32_t id;
+    float coverage;
+};
 
 // Sorts by coverage descending, ties by stored bits ascending. In place.
 void glint_cryptomatte_sort(struct glint_cryptomatte_rank *rank, size_t count);

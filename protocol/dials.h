@@ -23,11 +23,11 @@ enum glint_dial {
 #define GLINT_MAX_SETTINGS 6
 
 struct glint_dial_row {
-    const char *name;    // member name in the job
-    const char *parent;  // "accuracy" or "mattes"
+    const char *name;                            // member name in the job
+    const char *parent;                          // "accuracy" or "mattes"
     const char *setting[GLINT_MAX_SETTINGS + 1]; // NULL-terminated, exact first
-    unsigned char unbiased;  // bit i: setting i has the same expectation as the exact one
-    const char *source;  // where the approximation comes from
+    unsigned char unbiased; // bit i: setting i has the same expectation as the exact one
+    const char *source;     // where the approximation comes from
 };
 
 struct glint_preset {

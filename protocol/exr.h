@@ -17,9 +17,9 @@ struct glint_exr_options {
 
 // Writes a complete scanline file, channels sorted bytewise, colour clamped to the half range
 // (*clamped counts the values, may be NULL). *bytes is malloc'd.
-glint_status glint_exr_write(const struct glint_frame *frame, const struct glint_exr_options *options,
-                             uint8_t **bytes, size_t *size, uint64_t *clamped,
-                             struct glint_error *err);
+glint_status glint_exr_write(const struct glint_frame *frame,
+                             const struct glint_exr_options *options, uint8_t **bytes, size_t *size,
+                             uint64_t *clamped, struct glint_error *err);
 
 // Reads a single- or multi-part scanline or tiled file; all parts' channels in one frame.
 // Refuses images over GLINT_MAX_SIDE on a side and files it cannot read, without crashing.

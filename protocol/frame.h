@@ -20,22 +20,27 @@ struct glint_channel {
     float *plane;               // [height][width]; GLINT_PIXEL_UINT: the bits of a uint32
 };
 
-enum glint_attribute_kind { GLINT_ATTR_STRING, GLINT_ATTR_INT, GLINT_ATTR_FLOAT, GLINT_ATTR_M44F,
-                            GLINT_ATTR_CHROMATICITIES };
+enum glint_attribute_kind {
+    GLINT_ATTR_STRING,
+    GLINT_ATTR_INT,
+    GLINT_ATTR_FLOAT,
+    GLINT_ATTR_M44F,
+    GLINT_ATTR_CHROMATICITIES
+};
 
 struct glint_attribute {
     char *name;
     enum glint_attribute_kind kind;
-    char *text;        // GLINT_ATTR_STRING
-    int32_t integer;   // GLINT_ATTR_INT
-    float number[16];  // FLOAT: [0]; M44F row-major; CHROMATICITIES: rx ry gx gy bx by wx wy
+    char *text;       // GLINT_ATTR_STRING
+    int32_t integer;  // GLINT_ATTR_INT
+    float number[16]; // FLOAT: [0]; M44F row-major; CHROMATICITIES: rx ry gx gy bx by wx wy
 };
 
 struct glint_frame {
     struct glint_arena arena; // owns names, planes, texts
     uint32_t display_width, display_height;
-    int32_t x, y;             // of the data window's first pixel in the display window
-    uint32_t width, height;   // of the data window
+    int32_t x, y;           // of the data window's first pixel in the display window
+    uint32_t width, height; // of the data window
     uint32_t channels, attributes;
     struct glint_channel *channel;
     struct glint_attribute *attribute;
@@ -59,6 +64,7 @@ glint_status glint_frame_int(struct glint_frame *frame, const char *name, int32_
 glint_status glint_frame_float(struct glint_frame *frame, const char *name, float value);
 glint_status glint_frame_matrix(struct glint_frame *frame, const char *name, const float m[16]);
 glint_status glint_frame_chromaticities(struct glint_frame *frame, const float c[8]);
-const struct glint_attribute *glint_frame_attribute(const struct glint_frame *frame, const char *name);
+const struct glint_attribute *glint_frame_attribute(const struct glint_frame *frame,
+                                                    const char *name);
 
 #endif

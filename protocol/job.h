@@ -26,7 +26,8 @@ enum glint_output {
     GLINT_OUT_SAMPLES = 1u << 7,
     GLINT_OUT_VARIANCE = 1u << 8,
 };
-#define GLINT_OUT_CRYPTO (GLINT_OUT_CRYPTO_OBJECT | GLINT_OUT_CRYPTO_MATERIAL | GLINT_OUT_CRYPTO_ASSET)
+#define GLINT_OUT_CRYPTO \
+    (GLINT_OUT_CRYPTO_OBJECT | GLINT_OUT_CRYPTO_MATERIAL | GLINT_OUT_CRYPTO_ASSET)
 
 // "beauty" <-> GLINT_OUT_BEAUTY and so on; 0 and NULL for what does not exist.
 uint32_t glint_output_from_name(const char *name);
@@ -42,21 +43,21 @@ struct glint_job_stop {
 
 struct glint_job {
     struct glint_arena arena;
-    char *scene; // name of the scene
-    char *name;  // for people, may be ""
-    char *camera_name;          // NULL: the scene's first, unless has_camera
-    bool has_camera;            // `camera` was given as an object
+    char *scene;       // name of the scene
+    char *name;        // for people, may be ""
+    char *camera_name; // NULL: the scene's first, unless has_camera
+    bool has_camera;   // `camera` was given as an object
     struct glint_camera camera;
-    uint32_t width, height;     // display window, 1..GLINT_MAX_SIDE; default 1280x720
-    uint32_t region[4];         // x y w h inside it; default the whole
-    uint32_t outputs;           // glint_output bits; default beauty and the three crypto types
+    uint32_t width, height;         // display window, 1..GLINT_MAX_SIDE; default 1280x720
+    uint32_t region[4];             // x y w h inside it; default the whole
+    uint32_t outputs;               // glint_output bits; default beauty and the three crypto types
     uint8_t dial[GLINT_DIAL_COUNT]; // setting of each dial, an index into its row of the dial table
-    uint32_t matte_slots;       // 4..32
-    uint32_t matte_levels;      // 1..20
+    uint32_t matte_slots;           // 4..32
+    uint32_t matte_levels;          // 1..20
     enum glint_filter_kind filter;
-    float filter_width;         // pixels, 0.5..16; default blackman_harris 1.5... box 1
-    uint32_t max_bounces;       // 0..1024; default 8
-    uint32_t frame;             // number of the frame, only recorded
+    float filter_width;   // pixels, 0.5..16; default blackman_harris 1.5... box 1
+    uint32_t max_bounces; // 0..1024; default 8
+    uint32_t frame;       // number of the frame, only recorded
     uint32_t seed;
     struct glint_job_stop stop; // absent: 256 samples
     int32_t priority;           // -100..100

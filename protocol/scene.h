@@ -65,15 +65,15 @@ struct glint_material {
     float base_color[3]; // 0..1
     float opacity;       // 0..1, alpha of the base colour; only used by GLINT_ALPHA_MASK
     enum glint_alpha_mode alpha_mode;
-    float alpha_cutoff;      // opacity below it is a hole
-    float metallic;          // 0..1
-    float roughness;         // 0..1, alpha_g = roughness^2; below 1e-3 in alpha_g the lobe is a delta
-    float ior;               // 1..10 (1: no dielectric interface), relative to vacuum
-    float transmission;      // 0..1 share of the non-metallic base that transmits instead of diffusing
-    bool thin;               // transmits without bending: an infinitely thin wall
-    bool double_sided;       // emits on both sides
-    float emission[3];       // radiance, >= 0
-    float normal_scale;      // of the normal map's x and y
+    float alpha_cutoff; // opacity below it is a hole
+    float metallic;     // 0..1
+    float roughness;    // 0..1, alpha_g = roughness^2; below 1e-3 in alpha_g the lobe is a delta
+    float ior;          // 1..10 (1: no dielectric interface), relative to vacuum
+    float transmission; // 0..1 share of the non-metallic base that transmits instead of diffusing
+    bool thin;          // transmits without bending: an infinitely thin wall
+    bool double_sided;  // emits on both sides
+    float emission[3];  // radiance, >= 0
+    float normal_scale; // of the normal map's x and y
     struct glint_texture base_color_texture;         // rgb sRGB, a opacity
     struct glint_texture metallic_roughness_texture; // g roughness, b metallic, linear
     struct glint_texture normal_texture;             // tangent space, linear
@@ -110,11 +110,11 @@ enum glint_light_kind { GLINT_LIGHT_POINT, GLINT_LIGHT_SPOT, GLINT_LIGHT_SUN, GL
 struct glint_light {
     char *id, *name;
     enum glint_light_kind kind;
-    float color[3];             // >= 0
-    float intensity;            // point, spot: W/sr; sun: W/m^2; area: radiance
-    float transform[16];        // position and direction (-z)
+    float color[3];               // >= 0
+    float intensity;              // point, spot: W/sr; sun: W/m^2; area: radiance
+    float transform[16];          // position and direction (-z)
     float inner_cone, outer_cone; // spot, radians, 0 <= inner < outer <= pi/2
-    float size[2];              // area, metres along local x and y; emits along -z
+    float size[2];                // area, metres along local x and y; emits along -z
 };
 
 struct glint_camera {

@@ -10,8 +10,8 @@ struct axes {
 
 static void unit(const float *column, double sign, double out[3])
 {
-    const double length = sqrt((double)column[0] * column[0] + (double)column[1] * column[1]
-                               + (double)column[2] * column[2]);
+    const double length = sqrt((double)column[0] * column[0] + (double)column[1] * column[1] +
+                               (double)column[2] * column[2]);
     for (int k = 0; k < 3; k++)
         out[k] = sign * column[k] / length;
 }
@@ -79,7 +79,8 @@ void glint_render_constants(const struct glint_render *r, struct gk_frame *out)
     out->roulette_start = r->job.dial[GLINT_DIAL_ROULETTE] == 0 ? UINT32_MAX : ROULETTE_START;
 }
 
-void glint_render_matrices(const struct glint_render *r, float world_to_camera[16], float world_to_ndc[16])
+void glint_render_matrices(const struct glint_render *r, float world_to_camera[16],
+                           float world_to_ndc[16])
 {
     struct axes a;
     axes_of(&r->camera, &a);
@@ -93,7 +94,8 @@ void glint_render_matrices(const struct glint_render *r, float world_to_camera[1
     m[15] = 1.0;
     const double ty = tan(0.5 * r->camera.yfov), tx = ty * r->job.width / r->job.height;
     // x/(2 tx z) + 1/2, 1/2 - y/(2 ty z); depth 1 - near/z with near 1 mm.
-    const double p[16] = {0.5 / tx, 0, 0, 0, 0, -0.5 / ty, 0, 0, 0.5, 0.5, 1.0, 1.0, 0, 0, -1e-3, 0};
+    const double p[16] = {0.5 / tx, 0,   0,   0,   0, -0.5 / ty, 0,     0,
+                          0.5,      0.5, 1.0, 1.0, 0, 0,         -1e-3, 0};
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++) {
             double sum = 0.0;

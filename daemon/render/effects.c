@@ -16,10 +16,10 @@ const char *const glint_pass_name[GLINT_PASSES] = {
     [GLINT_PASS_COVERAGE] = "deposit ID coverage",
 };
 
-#define CALLED_BY_FACT(fact)                                                                       \
-    static bool calls_##fact(const struct glint_effect_input *in)                                  \
-    {                                                                                              \
-        return in->facts->fact;                                                                    \
+#define CALLED_BY_FACT(fact)                                      \
+    static bool calls_##fact(const struct glint_effect_input *in) \
+    {                                                             \
+        return in->facts->fact;                                   \
     }
 CALLED_BY_FACT(microfacet)
 CALLED_BY_FACT(transmission)
@@ -91,40 +91,42 @@ const struct glint_effect glint_effect_table[] = {
      "GK_MICROFACET", "Walter et al. 2007; Heitz 2014; Dupuy and Benyoub 2023", NO_DIAL, 0,
      calls_microfacet, NULL},
     {GLINT_EFFECT_TRANSMISSION, "a material with transmission > 0", "GK_TRANSMISSION",
-     "Walter et al. 2007, Eq. 17 and 21; KHR_materials_transmission", NO_DIAL, 0, calls_transmission,
-     NULL},
-    {GLINT_EFFECT_TEXTURES, "a material with a texture", "GK_TEXTURES", "glTF 2.0, 3.9.2 and 5.26", NO_DIAL, 0,
-     calls_textures, NULL},
-    {"texture pools", "textures of more than 1 GiB", "GK_TEXTURE_POOLS=4", "ARCHITECTURE", NO_DIAL, 0,
-     calls_texture_pools, NULL},
-    {GLINT_EFFECT_NORMAL_MAPS, "a material with a normal texture", "GK_NORMAL_MAPS", "glTF 2.0, 3.9.3", NO_DIAL,
-     0, calls_normal_maps, NULL},
-    {GLINT_EFFECT_INSTANCES, "a large mesh drawn more than once", "GK_INSTANCES", "Embree instancing", NO_DIAL, 0,
-     calls_instances, NULL},
-    {GLINT_EFFECT_CUTOUT, "a visible material with alphaMode MASK", NULL, "glTF 2.0, 3.9.4", NO_DIAL, 0,
-     calls_cutout, NULL},
-    {GLINT_EFFECT_EMISSION, "a visible surface that emits", "GK_EMISSION", "glTF 2.0, 3.9.5", NO_DIAL, 0,
-     calls_emission, NULL},
+     "Walter et al. 2007, Eq. 17 and 21; KHR_materials_transmission", NO_DIAL, 0,
+     calls_transmission, NULL},
+    {GLINT_EFFECT_TEXTURES, "a material with a texture", "GK_TEXTURES", "glTF 2.0, 3.9.2 and 5.26",
+     NO_DIAL, 0, calls_textures, NULL},
+    {"texture pools", "textures of more than 1 GiB", "GK_TEXTURE_POOLS=4", "ARCHITECTURE", NO_DIAL,
+     0, calls_texture_pools, NULL},
+    {GLINT_EFFECT_NORMAL_MAPS, "a material with a normal texture", "GK_NORMAL_MAPS",
+     "glTF 2.0, 3.9.3", NO_DIAL, 0, calls_normal_maps, NULL},
+    {GLINT_EFFECT_INSTANCES, "a large mesh drawn more than once", "GK_INSTANCES",
+     "Embree instancing", NO_DIAL, 0, calls_instances, NULL},
+    {GLINT_EFFECT_CUTOUT, "a visible material with alphaMode MASK", NULL, "glTF 2.0, 3.9.4",
+     NO_DIAL, 0, calls_cutout, NULL},
+    {GLINT_EFFECT_EMISSION, "a visible surface that emits", "GK_EMISSION", "glTF 2.0, 3.9.5",
+     NO_DIAL, 0, calls_emission, NULL},
     {GLINT_EFFECT_LIGHT_TABLE, "emitting triangles or punctual lights", "GK_LIGHT_TABLE",
      "Veach 1997, chapter 9; Walker 1977", GLINT_DIAL_LIGHTS, 0, calls_light_table, NULL},
     {"uniform light choice", "accuracy.lights uniform", "GK_LIGHTS_UNIFORM", "ACCURACY 3",
      GLINT_DIAL_LIGHTS, 0, calls_uniform_lights, NULL},
-    {"next-event estimation", "an emitter that can be sampled, and at least one bounce", "GK_LIGHTS",
-     "Veach 1997, chapter 9", NO_DIAL, PASS(SHADOW) | PASS(UNOCCLUDED), calls_next_event, NULL},
-    {GLINT_EFFECT_ENVIRONMENT_CONSTANT, "an environment of one radiance", "GK_ENVIRONMENT_CONSTANT", "-", NO_DIAL,
-     0, calls_environment_constant, NULL},
+    {"next-event estimation", "an emitter that can be sampled, and at least one bounce",
+     "GK_LIGHTS", "Veach 1997, chapter 9", NO_DIAL, PASS(SHADOW) | PASS(UNOCCLUDED),
+     calls_next_event, NULL},
+    {GLINT_EFFECT_ENVIRONMENT_CONSTANT, "an environment of one radiance", "GK_ENVIRONMENT_CONSTANT",
+     "-", NO_DIAL, 0, calls_environment_constant, NULL},
     {GLINT_EFFECT_ENVIRONMENT_IMAGE, "an environment with an image", "GK_ENVIRONMENT_IMAGE",
      "Pharr et al. 2023, 12.5.2", NO_DIAL, 0, calls_environment_image, NULL},
     {"depth of field", "a camera with a lens radius", "GK_LENS", "Cook et al. 1984", NO_DIAL, 0,
      calls_lens, NULL},
     {"Blackman-Harris filter", "filter.kind blackman_harris", "GK_FILTER_BLACKMAN_HARRIS",
      "Harris 1978; Ernst et al. 2006", NO_DIAL, 0, calls_blackman_harris, NULL},
-    {"float64 film", "accuracy.precision float64", "GK_FILM_FP64", "ACCURACY 3", GLINT_DIAL_PRECISION,
-     0, calls_float64, NULL},
+    {"float64 film", "accuracy.precision float64", "GK_FILM_FP64", "ACCURACY 3",
+     GLINT_DIAL_PRECISION, 0, calls_float64, NULL},
     {"first-hit AOVs", "an output depth, normal or albedo", "GK_AOVS", "-", NO_DIAL, PASS(AOVS),
      calls_aovs, aov_bytes},
-    {"ID coverage", "a Cryptomatte output", NULL, "Cryptomatte 1.2.0; Yoshimura et al. 2022, Alg. 1",
-     GLINT_DIAL_EVICTION, PASS(COVERAGE), calls_coverage, coverage_bytes},
+    {"ID coverage", "a Cryptomatte output", NULL,
+     "Cryptomatte 1.2.0; Yoshimura et al. 2022, Alg. 1", GLINT_DIAL_EVICTION, PASS(COVERAGE),
+     calls_coverage, coverage_bytes},
 };
 const size_t glint_effect_count = sizeof glint_effect_table / sizeof *glint_effect_table;
 

@@ -33,9 +33,9 @@ struct glint_effect_input {
 
 struct glint_effect {
     const char *name;
-    const char *cause;  // what calls for it
-    const char *define; // "GK_X" or "GK_X=n", NULL: none
-    const char *source; // paper and equation, or specification
+    const char *cause;    // what calls for it
+    const char *define;   // "GK_X" or "GK_X=n", NULL: none
+    const char *source;   // paper and equation, or specification
     enum glint_dial dial; // GLINT_DIAL_COUNT: none rules it
     uint32_t passes;      // bits 1 << glint_pass that it adds
     bool (*called)(const struct glint_effect_input *in);

@@ -9,7 +9,8 @@ uint32_t glint_half_samples(uint32_t samples, uint32_t half)
     return (samples + 1 - half) / 2;
 }
 
-float glint_film_mean(const float *planes, bool wide, uint32_t half, uint32_t channel, uint32_t i, uint32_t n)
+float glint_film_mean(const float *planes, bool wide, uint32_t half, uint32_t channel, uint32_t i,
+                      uint32_t n)
 {
     const float *sum = planes + (GK_PLANE_COLOUR + half * 6 + channel * 2) * GK_TILE_PIXELS;
     const double total = wide ? ((const double *)(const void *)sum)[i]
@@ -17,8 +18,8 @@ float glint_film_mean(const float *planes, bool wide, uint32_t half, uint32_t ch
     return n ? (float)(total / n) : 0.0f;
 }
 
-double glint_estimate_tile(const struct glint_film_tile *at, bool wide, uint32_t samples, uint32_t w,
-                           uint32_t h)
+double glint_estimate_tile(const struct glint_film_tile *at, bool wide, uint32_t samples,
+                           uint32_t w, uint32_t h)
 {
     const float *planes = (const float *)glint_buffer_host(at->planes) + at->planes_offset;
     const uint32_t na = glint_half_samples(samples, 0), nb = glint_half_samples(samples, 1);

@@ -8,8 +8,8 @@
 
 // Sum over the pixels (0 <= x < w, 0 <= y < h of the tile) and RGB of v / (m^2 + 0.01). The caller
 // holds the tile; samples >= 2.
-double glint_estimate_tile(const struct glint_film_tile *at, bool wide, uint32_t samples, uint32_t w,
-                           uint32_t h);
+double glint_estimate_tile(const struct glint_film_tile *at, bool wide, uint32_t samples,
+                           uint32_t w, uint32_t h);
 
 // Mean of one half of a pixel: sum over its `n` samples / n. i: pixel of the tile.
 float glint_film_mean(const float *planes, bool wide, uint32_t half, uint32_t channel, uint32_t i,

@@ -36,14 +36,15 @@ static void clear_depths(const glint_film *f, uint32_t tiles)
     for (uint32_t t = 0; t < tiles; t++) {
         struct glint_film_tile at;
         glint_film_tile(f, t, &at);
-        float *depth = (float *)glint_buffer_host(at.planes) + at.planes_offset
-                       + (GK_PLANES_BASE + GK_AOV_DEPTH) * GK_TILE_PIXELS;
+        float *depth = (float *)glint_buffer_host(at.planes) + at.planes_offset +
+                       (GK_PLANES_BASE + GK_AOV_DEPTH) * GK_TILE_PIXELS;
         for (int i = 0; i < GK_TILE_PIXELS; i++)
             depth[i] = 1e30f;
     }
 }
 
-static glint_status allocate(glint_film *f, glint_devices *devices, uint32_t tiles, struct glint_error *err)
+static glint_status allocate(glint_film *f, glint_devices *devices, uint32_t tiles,
+                             struct glint_error *err)
 {
     glint_status st = GLINT_OK;
     for (uint32_t b = 0; !st && b < f->buffers; b++) {
@@ -55,8 +56,9 @@ static glint_status allocate(glint_film *f, glint_devices *devices, uint32_t til
     return st;
 }
 
-glint_status glint_film_create(glint_film **out, glint_devices *devices, const struct glint_plan *plan,
-                               const struct glint_job *job, struct glint_error *err)
+glint_status glint_film_create(glint_film **out, glint_devices *devices,
+                               const struct glint_plan *plan, const struct glint_job *job,
+                               struct glint_error *err)
 {
     *out = NULL;
     glint_film *f = calloc(1, sizeof *f);
@@ -68,8 +70,9 @@ glint_status glint_film_create(glint_film **out, glint_devices *devices, const s
     f->rows = (job->region[3] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
     f->tile_words = (GK_PLANES_BASE + (aovs ? GK_PLANES_AOV : 0)) * GK_TILE_PIXELS;
     f->tile_slots = coverage ? (job->matte_slots + 1) * GK_TILE_PIXELS : 0;
-    const size_t largest = f->tile_slots * (size_t)8 > f->tile_words * (size_t)4 ? f->tile_slots * (size_t)8
-                                                                                 : f->tile_words * (size_t)4;
+    const size_t largest = f->tile_slots * (size_t)8 > f->tile_words * (size_t)4
+                               ? f->tile_slots * (size_t)8
+                               : f->tile_words * (size_t)4;
     const uint32_t tiles = f->columns * f->rows;
     f->tiles_per_buffer = (uint32_t)(BUFFER_BYTES / largest);
     f->buffers = (tiles + f->tiles_per_buffer - 1) / f->tiles_per_buffer;
@@ -78,9 +81,10 @@ glint_status glint_film_create(glint_film **out, glint_devices *devices, const s
     f->tile = calloc(tiles, sizeof *f->tile);
     pthread_mutex_init(&f->mutex, NULL);
     pthread_cond_init(&f->released, NULL);
-    glint_status st = f->planes && f->tables && f->tile
-                          ? allocate(f, devices, tiles, err)
-                          : glint_fail(err, GLINT_E_NOMEM, "/resolution", "no memory for %u tiles", tiles);
+    glint_status st =
+        f->planes && f->tables && f->tile
+            ? allocate(f, devices, tiles, err)
+            : glint_fail(err, GLINT_E_NOMEM, "/resolution", "no memory for %u tiles", tiles);
     if (st) {
         glint_film_destroy(&f);
         return st;
@@ -144,7 +148,8 @@ void glint_film_hold(glint_film *f, uint32_t column, uint32_t row, uint32_t w, u
     pthread_mutex_unlock(&f->mutex);
 }
 
-void glint_film_release(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h, uint32_t samples)
+void glint_film_release(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h,
+                        uint32_t samples)
 {
     const uint32_t right = smaller(column + w, f->columns), bottom = smaller(row + h, f->rows);
     pthread_mutex_lock(&f->mutex);

@@ -22,8 +22,9 @@ struct glint_film_tile {
 };
 
 // Region and slots come from the job, planes from the plan.
-glint_status glint_film_create(glint_film **out, glint_devices *devices, const struct glint_plan *plan,
-                               const struct glint_job *job, struct glint_error *err);
+glint_status glint_film_create(glint_film **out, glint_devices *devices,
+                               const struct glint_plan *plan, const struct glint_job *job,
+                               struct glint_error *err);
 void glint_film_destroy(glint_film **film);
 
 uint32_t glint_film_columns(const glint_film *film); // tiles in a row

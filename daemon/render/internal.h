@@ -35,13 +35,13 @@ struct glint_render {
     glint_buffer *frame;
     struct glint_wave_job wave_job;
     glint_film *film;
-    glint_wave **wave; // [workers], each made and used by its worker alone
+    glint_wave **wave;           // [workers], each made and used by its worker alone
     _Atomic(double) *tile_error; // [film tiles], sums over the pixels of v/(m^2+0.01)
 
     pthread_mutex_t mutex; // guards what follows
     struct glint_pass_state pass;
-    uint32_t target;   // samples
-    bool stopped;      // by error
+    uint32_t target;               // samples
+    bool stopped;                  // by error
     struct glint_wave_stats stats; // of all workers, added as slices come back
     double worker_seconds;
     struct glint_convergence_point curve[GLINT_CURVE_POINTS];

@@ -70,15 +70,16 @@ static int by_name(const void *a, const void *b)
 }
 
 // Names of the layer with the coverage of their keys; equal names become one. Returns their number.
-static size_t collect(const struct glint_resident *scene, enum glint_matte_layer layer, const double *key,
-                      struct glint_matte_total *out)
+static size_t collect(const struct glint_resident *scene, enum glint_matte_layer layer,
+                      const double *key, struct glint_matte_total *out)
 {
     const struct glint_matte_key *keys;
     const uint32_t n = glint_resident_mattes(scene, &keys);
     size_t count = 0, kept = 0;
     for (uint32_t k = 2; k < n; k++)
         if (keys[k].id[layer])
-            out[count++] = (struct glint_matte_total){keys[k].name[layer], keys[k].id[layer], key[k]};
+            out[count++] =
+                (struct glint_matte_total){keys[k].name[layer], keys[k].id[layer], key[k]};
     qsort(out, count, sizeof *out, by_name);
     for (size_t i = 0; i < count; i++) {
         if (kept && strcmp(out[kept - 1].name, out[i].name) == 0)
@@ -89,8 +90,9 @@ static size_t collect(const struct glint_resident *scene, enum glint_matte_layer
     return kept;
 }
 
-glint_status glint_render_mattes(glint_render *r, enum glint_matte_layer layer, struct glint_matte_total **out,
-                                 size_t *count, double *lost, struct glint_error *err)
+glint_status glint_render_mattes(glint_render *r, enum glint_matte_layer layer,
+                                 struct glint_matte_total **out, size_t *count, double *lost,
+                                 struct glint_error *err)
 {
     *out = NULL;
     *count = 0;
@@ -134,7 +136,8 @@ static void add_selected(const struct glint_render *r, const struct tables *t, v
 }
 
 static glint_status select_names(const struct glint_resident *scene, enum glint_matte_layer layer,
-                                 const char *const *names, size_t count, bool *selected, struct glint_error *err)
+                                 const char *const *names, size_t count, bool *selected,
+                                 struct glint_error *err)
 {
     const struct glint_matte_key *keys;
     const uint32_t n = glint_resident_mattes(scene, &keys);
@@ -151,8 +154,9 @@ static glint_status select_names(const struct glint_resident *scene, enum glint_
     return st;
 }
 
-glint_status glint_render_matte(glint_render *r, enum glint_matte_layer layer, const char *const *names, size_t count,
-                                struct glint_frame **out, struct glint_error *err)
+glint_status glint_render_matte(glint_render *r, enum glint_matte_layer layer,
+                                const char *const *names, size_t count, struct glint_frame **out,
+                                struct glint_error *err)
 {
     *out = NULL;
     if (!has_coverage(r))
@@ -164,8 +168,8 @@ glint_status glint_render_matte(glint_render *r, enum glint_matte_layer layer, c
     const uint32_t *region = r->job.region;
     glint_status st = select_names(r->scene, layer, names, count, selected, err);
     if (!st)
-        st = glint_frame_create(out, r->job.width, r->job.height, (int32_t)region[0], (int32_t)region[1], region[2],
-                                region[3], err);
+        st = glint_frame_create(out, r->job.width, r->job.height, (int32_t)region[0],
+                                (int32_t)region[1], region[2], region[3], err);
     struct selection of = {selected, st ? NULL : glint_frame_channel(*out, "A", GLINT_PIXEL_FLOAT)};
     if (!st && !of.plane) {
         st = glint_fail(err, GLINT_E_NOMEM, "", "no memory for a matte");

@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PASSES_ALWAYS                                                                              \
-    (1u << GLINT_PASS_GENERATE | 1u << GLINT_PASS_TRACE | 1u << GLINT_PASS_SHADE                   \
-     | 1u << GLINT_PASS_COMPACT | 1u << GLINT_PASS_COLOUR)
+#define PASSES_ALWAYS                                                              \
+    (1u << GLINT_PASS_GENERATE | 1u << GLINT_PASS_TRACE | 1u << GLINT_PASS_SHADE | \
+     1u << GLINT_PASS_COMPACT | 1u << GLINT_PASS_COLOUR)
 
 static void add_option(struct glint_plan *plan, const char *define)
 {
@@ -53,7 +53,10 @@ static cJSON *describe_effect(const struct glint_plan *plan, const struct glint_
     const struct glint_effect *e = &glint_effect_table[i];
     const bool on = plan->on >> i & 1, called = plan->called >> i & 1;
     char reason[256];
-    snprintf(reason, sizeof reason, "%s%s", called ? "called for by " : on ? "forced; not called for by " : "no ",
+    snprintf(reason, sizeof reason, "%s%s",
+             called ? "called for by "
+             : on   ? "forced; not called for by "
+                    : "no ",
              !called && !on && strncmp(e->cause, "a ", 2) == 0 ? e->cause + 2 : e->cause);
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "effect", e->name);
@@ -64,7 +67,8 @@ static cJSON *describe_effect(const struct glint_plan *plan, const struct glint_
         cJSON_AddStringToObject(o, "define", e->define);
     if (e->dial != GLINT_DIAL_COUNT)
         cJSON_AddStringToObject(o, "dial", glint_dial_table[e->dial].name);
-    cJSON_AddNumberToObject(o, "bytes", on && e->film_bytes ? (double)(e->film_bytes(job) * pixels) : 0.0);
+    cJSON_AddNumberToObject(o, "bytes",
+                            on && e->film_bytes ? (double)(e->film_bytes(job) * pixels) : 0.0);
     double own = 0.0;
     for (int p = 0; p < GLINT_PASSES; p++)
         own += e->passes >> p & 1 ? seconds[p] : 0.0;
@@ -87,12 +91,14 @@ cJSON *glint_plan_describe(const struct glint_plan *plan, const struct glint_job
         cJSON *o = cJSON_CreateObject();
         cJSON_AddStringToObject(o, "pass", glint_pass_name[p]);
         cJSON_AddNumberToObject(o, "seconds", seconds[p]);
-        cJSON_AddNumberToObject(o, "share", total(seconds) > 0.0 ? seconds[p] / total(seconds) : 0.0);
+        cJSON_AddNumberToObject(o, "share",
+                                total(seconds) > 0.0 ? seconds[p] / total(seconds) : 0.0);
         cJSON_AddItemToArray(passes, o);
     }
     cJSON *dials = cJSON_AddObjectToObject(root, "accuracy");
     for (int d = 0; d < GLINT_DIAL_COUNT; d++)
-        cJSON_AddStringToObject(dials, glint_dial_table[d].name, glint_dial_table[d].setting[job->dial[d]]);
+        cJSON_AddStringToObject(dials, glint_dial_table[d].name,
+                                glint_dial_table[d].setting[job->dial[d]]);
     cJSON_AddStringToObject(root, "program", plan->options);
     cJSON_AddNumberToObject(root, "film_bytes_per_pixel", (double)plan->film_bytes);
     cJSON_AddNumberToObject(root, "film_bytes", (double)(plan->film_bytes * pixels));

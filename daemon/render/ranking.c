@@ -5,13 +5,15 @@
 
 #include <stdlib.h>
 
-static uint32_t id_of(const struct glint_matte_key *keys, uint32_t key, enum glint_matte_layer layer)
+static uint32_t id_of(const struct glint_matte_key *keys, uint32_t key,
+                      enum glint_matte_layer layer)
 {
     return key == GK_MATTE_BACKGROUND ? 0 : keys[key].id[layer];
 }
 
 uint32_t glint_ranking(const glint_resident *scene, const uint64_t *table, uint32_t slots,
-                       enum glint_matte_layer layer, uint32_t samples, struct glint_cryptomatte_rank *rank)
+                       enum glint_matte_layer layer, uint32_t samples,
+                       struct glint_cryptomatte_rank *rank)
 {
     const struct glint_matte_key *keys;
     glint_resident_mattes(scene, &keys);

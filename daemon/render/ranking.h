@@ -12,7 +12,8 @@
 // Fills rank[slots] with the IDs that cover the pixel, sorted, coverage over `samples`. Returns
 // their number.
 uint32_t glint_ranking(const glint_resident *scene, const uint64_t *table, uint32_t slots,
-                       enum glint_matte_layer layer, uint32_t samples, struct glint_cryptomatte_rank *rank);
+                       enum glint_matte_layer layer, uint32_t samples,
+                       struct glint_cryptomatte_rank *rank);
 
 // The manifest of every name that the scene has in a layer; malloc'd, NULL without memory.
 char *glint_ranking_manifest(const glint_resident *scene, enum glint_matte_layer layer);

@@ -22,8 +22,8 @@ static glint_status choose_camera(struct glint_render *r, struct glint_error *er
         return GLINT_OK;
     }
     for (uint32_t i = 0; i < s->cameras; i++)
-        if (!r->job.camera_name || strcmp(s->camera[i].name, r->job.camera_name) == 0
-            || strcmp(s->camera[i].id, r->job.camera_name) == 0) {
+        if (!r->job.camera_name || strcmp(s->camera[i].name, r->job.camera_name) == 0 ||
+            strcmp(s->camera[i].id, r->job.camera_name) == 0) {
             r->camera = s->camera[i];
             return GLINT_OK;
         }
@@ -32,7 +32,8 @@ static glint_status choose_camera(struct glint_render *r, struct glint_error *er
 }
 
 // Copies what the render needs of the job; strings other than the name are not used again.
-static glint_status copy_job(struct glint_render *r, const struct glint_job *job, struct glint_error *err)
+static glint_status copy_job(struct glint_render *r, const struct glint_job *job,
+                             struct glint_error *err)
 {
     r->job = *job;
     r->name = strdup(job->name ? job->name : "");
@@ -81,7 +82,8 @@ static glint_status prepare(struct glint_render *r, uint64_t force, struct glint
     r->wave_job.scene = r->scene;
     r->wave_job.frame = r->frame;
     r->wave_job.matte_slots = r->job.matte_slots;
-    r->wave_job.matte_policy = r->job.dial[GLINT_DIAL_EVICTION] == 0 ? GK_MATTE_DROP : GK_MATTE_DIRECT_FIRST;
+    r->wave_job.matte_policy =
+        r->job.dial[GLINT_DIAL_EVICTION] == 0 ? GK_MATTE_DROP : GK_MATTE_DIRECT_FIRST;
     r->target = r->job.stop.samples;
     pass_begin(r, 0);
     return glint_wave_compile(r->devices, &r->wave_job, err);
@@ -134,7 +136,8 @@ void glint_render_destroy(glint_render **render)
     free(r);
 }
 
-static void block_place(const struct glint_render *r, uint32_t block, uint32_t *column, uint32_t *row)
+static void block_place(const struct glint_render *r, uint32_t block, uint32_t *column,
+                        uint32_t *row)
 {
     *column = (block % r->pass.blocks_wide) << r->pass.tiles_log2;
     *row = (block / r->pass.blocks_wide) << r->pass.tiles_log2;
@@ -180,17 +183,20 @@ static void measure_tiles(struct glint_render *r, const struct glint_slice *s)
     const uint32_t row0 = (s->y - r->job.region[1]) / GK_TILE_SIDE;
     for (uint32_t y = 0; y < s->h; y += GK_TILE_SIDE)
         for (uint32_t x = 0; x < s->w; x += GK_TILE_SIDE) {
-            const uint32_t tile = (row0 + y / GK_TILE_SIDE) * glint_film_columns(r->film) + column0 + x / GK_TILE_SIDE;
+            const uint32_t tile = (row0 + y / GK_TILE_SIDE) * glint_film_columns(r->film) +
+                                  column0 + x / GK_TILE_SIDE;
             struct glint_film_tile at;
             glint_film_tile(r->film, tile, &at);
-            const double sum = glint_estimate_tile(&at, wide(r), s->sample + s->samples,
-                                                   clipped(x, GK_TILE_SIDE, s->w), clipped(y, GK_TILE_SIDE, s->h));
+            const double sum =
+                glint_estimate_tile(&at, wide(r), s->sample + s->samples,
+                                    clipped(x, GK_TILE_SIDE, s->w), clipped(y, GK_TILE_SIDE, s->h));
             // Relaxed: a reader wants some recent estimate; decisions are taken when no slice is out.
             atomic_store_explicit(&r->tile_error[tile], sum, memory_order_relaxed);
         }
 }
 
-static void add_stats(struct glint_render *r, const struct glint_wave_stats *now, const struct glint_wave_stats *before)
+static void add_stats(struct glint_render *r, const struct glint_wave_stats *now,
+                      const struct glint_wave_stats *before)
 {
     pthread_mutex_lock(&r->mutex);
     for (int p = 0; p < GLINT_PASSES; p++) {
@@ -203,18 +209,25 @@ static void add_stats(struct glint_render *r, const struct glint_wave_stats *now
     pthread_mutex_unlock(&r->mutex);
 }
 
-glint_status glint_render_run(glint_render *r, struct glint_worker *worker, const struct glint_slice *s,
-                              struct glint_error *err)
+glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
+                              const struct glint_slice *s, struct glint_error *err)
 {
     glint_wave **wave = &r->wave[glint_worker_index(worker)];
     glint_status st = *wave ? GLINT_OK : glint_wave_create(wave, r->devices, err);
     if (st)
         return st;
     const uint32_t *region = r->job.region;
-    const struct glint_wave_block block = {
-        s->x, s->y, region[0] + region[2], region[1] + region[3],
-        (s->x - region[0]) / GK_TILE_SIDE, (s->y - region[1]) / GK_TILE_SIDE,
-        s->samples == 1 ? 2 : s->samples <= 4 ? 1 : 0, s->sample, s->samples};
+    const struct glint_wave_block block = {s->x,
+                                           s->y,
+                                           region[0] + region[2],
+                                           region[1] + region[3],
+                                           (s->x - region[0]) / GK_TILE_SIDE,
+                                           (s->y - region[1]) / GK_TILE_SIDE,
+                                           s->samples == 1   ? 2
+                                           : s->samples <= 4 ? 1
+                                                             : 0,
+                                           s->sample,
+                                           s->samples};
     const struct glint_wave_stats before = *glint_wave_stats(*wave);
     st = glint_wave_run(*wave, worker, &r->wave_job, &block, r->film, err);
     if (!st && s->sample + s->samples >= 2)
@@ -247,7 +260,8 @@ static void record_point(struct glint_render *r, uint32_t samples)
 {
     if (samples < 2 || samples & (samples - 1) || r->points == GLINT_CURVE_POINTS)
         return;
-    r->curve[r->points++] = (struct glint_convergence_point){samples, r->worker_seconds, error_now(r), rays_of(r)};
+    r->curve[r->points++] =
+        (struct glint_convergence_point){samples, r->worker_seconds, error_now(r), rays_of(r)};
 }
 
 static void pass_end(struct glint_render *r)
@@ -255,8 +269,8 @@ static void pass_end(struct glint_render *r)
     const uint32_t samples = r->pass.sample + r->pass.samples;
     record_point(r, samples);
     const double wanted = r->job.stop.error;
-    if (wanted > 0.0 && glint_estimate_checkpoint(samples)
-        && glint_estimate_upper(error_now(r), pixels_of(r)) <= wanted) {
+    if (wanted > 0.0 && glint_estimate_checkpoint(samples) &&
+        glint_estimate_upper(error_now(r), pixels_of(r)) <= wanted) {
         r->target = samples;
         r->stopped = true;
     }
@@ -296,7 +310,8 @@ static double predict(const struct glint_render *r)
     const struct glint_convergence_point *a = &r->curve[r->points - 2], *b = a + 1;
     if (!(b->error > 0.0) || !(a->error > b->error))
         return NAN;
-    const double slope = fmax(log(a->error / b->error) / log((double)b->samples / a->samples), 0.25);
+    const double slope =
+        fmax(log(a->error / b->error) / log((double)b->samples / a->samples), 0.25);
     return b->samples * pow(b->error / r->job.stop.error, 1.0 / slope);
 }
 
@@ -319,7 +334,8 @@ void glint_render_state(const glint_render *render, struct glint_render_state *o
     pthread_mutex_unlock(&r->mutex);
 }
 
-size_t glint_render_convergence(const glint_render *render, struct glint_convergence_point *out, size_t capacity)
+size_t glint_render_convergence(const glint_render *render, struct glint_convergence_point *out,
+                                size_t capacity)
 {
     struct glint_render *r = (struct glint_render *)render;
     pthread_mutex_lock(&r->mutex);

@@ -20,10 +20,14 @@ typedef struct glint_render glint_render;
 
 // A slice: samples [sample, sample + samples) of the film tiles in a block. About 20 ms.
 struct glint_slice {
-    uint32_t block;            // index of the block in its pass
-    uint32_t x, y, w, h;       // pixels in the display window, clipped to the region
-    uint32_t sample, samples;  // first sample index and their number
+    uint32_t block;           // index of the block in its pass
+    uint32_t x, y, w, h;      // pixels in the display window, clipped to the region
+    uint32_t sample, samples; // first sample index and their number
 };
+
+// Bytes of film that the job will hold, known before anything is spent. Its camera, if named, is in
+// the scene.
+uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struct glint_job *job);
 
 // Compiles the job's program variant and allocates its film. Retains `scene`.
 //   GLINT_E_RANGE     the camera is not in the scene, ... (pointers into the job)
@@ -50,18 +54,22 @@ void glint_render_give_back(glint_render *render, const struct glint_slice *slic
 bool glint_render_complete(const glint_render *render);
 
 struct glint_render_state {
-    uint32_t samples;        // fewest over the frame
-    uint32_t target_samples; // where the job will stop at the latest
-    double progress;         // 0..1
-    double error;            // the job's own estimate, NAN before there are two samples
-    double worker_seconds;   // spent by workers
+    uint32_t samples;         // fewest over the frame
+    uint32_t target_samples;  // where the job will stop at the latest
+    double progress;          // 0..1
+    double error;             // the job's own estimate, NAN before there are two samples
+    double worker_seconds;    // spent by workers
     double predicted_samples; // until stop.error holds, NAN when unknown or not asked
     uint64_t camera_rays, bounce_rays, shadow_rays;
 };
 void glint_render_state(const glint_render *render, struct glint_render_state *out);
 
 // One point of the recorded curve at each power of two (samples) since the start.
-struct glint_convergence_point { uint32_t samples; double seconds, error; uint64_t rays; };
+struct glint_convergence_point {
+    uint32_t samples;
+    double seconds, error;
+    uint64_t rays;
+};
 size_t glint_render_convergence(const glint_render *render, struct glint_convergence_point *out,
                                 size_t capacity);
 
@@ -80,8 +88,17 @@ glint_status glint_render_tile(glint_render *render, uint32_t tile, struct glint
                                uint32_t *samples, uint64_t *version, struct glint_error *err);
 
 // Matte layers: 0 object, 1 material, 2 asset.
-enum glint_matte_layer { GLINT_MATTE_OBJECT, GLINT_MATTE_MATERIAL, GLINT_MATTE_ASSET, GLINT_MATTE_LAYERS };
-struct glint_matte_total { const char *name; uint32_t id; double coverage; }; // pixels covered
+enum glint_matte_layer {
+    GLINT_MATTE_OBJECT,
+    GLINT_MATTE_MATERIAL,
+    GLINT_MATTE_ASSET,
+    GLINT_MATTE_LAYERS
+};
+struct glint_matte_total {
+    const char *name;
+    uint32_t id;
+    double coverage;
+}; // pixels covered
 // Every name of the scene with its coverage over the frame; *out malloc'd, names live as long as
 // the render. *lost: pixels of coverage that found no slot.
 glint_status glint_render_mattes(glint_render *render, enum glint_matte_layer layer,

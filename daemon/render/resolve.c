@@ -18,7 +18,8 @@ struct planes {
     float *rank[GLINT_MATTE_LAYERS][MAX_LAYERS][4];
 };
 
-static const char *const matte_type[GLINT_MATTE_LAYERS] = {"CryptoObject", "CryptoMaterial", "CryptoAsset"};
+static const char *const matte_type[GLINT_MATTE_LAYERS] = {"CryptoObject", "CryptoMaterial",
+                                                           "CryptoAsset"};
 static const uint32_t matte_output[GLINT_MATTE_LAYERS] = {
     GLINT_OUT_CRYPTO_OBJECT, GLINT_OUT_CRYPTO_MATERIAL, GLINT_OUT_CRYPTO_ASSET};
 
@@ -27,7 +28,8 @@ const char *glint_render_matte_type(enum glint_matte_layer layer)
     return matte_type[layer];
 }
 
-static bool add_planes(struct glint_frame *f, float **out, const char *const *name, int n, enum glint_pixel_type type)
+static bool add_planes(struct glint_frame *f, float **out, const char *const *name, int n,
+                       enum glint_pixel_type type)
 {
     bool ok = true;
     for (int i = 0; i < n; i++)
@@ -35,7 +37,8 @@ static bool add_planes(struct glint_frame *f, float **out, const char *const *na
     return ok;
 }
 
-static bool add_ranks(struct glint_frame *f, struct planes *p, uint32_t levels, enum glint_matte_layer layer)
+static bool add_ranks(struct glint_frame *f, struct planes *p, uint32_t levels,
+                      enum glint_matte_layer layer)
 {
     static const char letter[4] = {'R', 'G', 'B', 'A'};
     bool ok = true;
@@ -48,10 +51,11 @@ static bool add_ranks(struct glint_frame *f, struct planes *p, uint32_t levels, 
     return ok;
 }
 
-static glint_status make_planes(struct glint_frame *f, uint32_t outputs, uint32_t levels, struct planes *p,
-                                struct glint_error *err)
+static glint_status make_planes(struct glint_frame *f, uint32_t outputs, uint32_t levels,
+                                struct planes *p, struct glint_error *err)
 {
-    static const char *const rgba[] = {"R", "G", "B", "A"}, *const z[] = {"Z"}, *const samples[] = {"samples.Y"};
+    static const char *const rgba[] = {"R", "G", "B", "A"}, *const z[] = {"Z"},
+                             *const samples[] = {"samples.Y"};
     static const char *const normal[] = {"N.X", "N.Y", "N.Z"};
     static const char *const albedo[] = {"albedo.R", "albedo.G", "albedo.B"};
     static const char *const variance[] = {"variance.R", "variance.G", "variance.B"};
@@ -60,11 +64,15 @@ static glint_status make_planes(struct glint_frame *f, uint32_t outputs, uint32_
     ok &= !(outputs & GLINT_OUT_DEPTH) || add_planes(f, &p->depth, z, 1, GLINT_PIXEL_FLOAT);
     ok &= !(outputs & GLINT_OUT_NORMAL) || add_planes(f, p->normal, normal, 3, GLINT_PIXEL_FLOAT);
     ok &= !(outputs & GLINT_OUT_ALBEDO) || add_planes(f, p->albedo, albedo, 3, GLINT_PIXEL_HALF);
-    ok &= !(outputs & GLINT_OUT_SAMPLES) || add_planes(f, &p->samples, samples, 1, GLINT_PIXEL_FLOAT);
-    ok &= !(outputs & GLINT_OUT_VARIANCE) || add_planes(f, p->variance, variance, 3, GLINT_PIXEL_FLOAT);
+    ok &=
+        !(outputs & GLINT_OUT_SAMPLES) || add_planes(f, &p->samples, samples, 1, GLINT_PIXEL_FLOAT);
+    ok &= !(outputs & GLINT_OUT_VARIANCE) ||
+          add_planes(f, p->variance, variance, 3, GLINT_PIXEL_FLOAT);
     for (int l = 0; l < GLINT_MATTE_LAYERS; l++)
         ok &= !(outputs & matte_output[l]) || add_ranks(f, p, levels, l);
-    return ok ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a frame of %ux%u", f->width, f->height);
+    return ok ? GLINT_OK
+              : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a frame of %ux%u", f->width,
+                           f->height);
 }
 
 // One pixel of a film tile and where it goes.
@@ -146,7 +154,8 @@ static void resolve_tile(const struct glint_render *r, uint32_t tile, uint32_t s
     const int64_t y0 = r->job.region[1] + (tile / columns) * GK_TILE_SIDE;
     struct at a = {(const float *)glint_buffer_host(t.planes) + t.planes_offset,
                    r->job.dial[GLINT_DIAL_PRECISION] == 0, 0, samples, 0};
-    const uint64_t *tables = t.tables ? (const uint64_t *)glint_buffer_host(t.tables) + t.tables_offset : NULL;
+    const uint64_t *tables =
+        t.tables ? (const uint64_t *)glint_buffer_host(t.tables) + t.tables_offset : NULL;
     for (a.i = 0; a.i < GK_TILE_PIXELS; a.i++) {
         const int64_t x = x0 + a.i % GK_TILE_SIDE - f->x, y = y0 + a.i / GK_TILE_SIDE - f->y;
         if (x < 0 || y < 0 || x >= f->width || y >= f->height)
@@ -166,7 +175,8 @@ static void blank_depth(const struct glint_frame *f, const struct planes *p)
 }
 
 // Returns the fewest samples of the film tiles that the frame touches.
-static uint32_t resolve_frame(struct glint_render *r, const struct glint_frame *f, const struct planes *p)
+static uint32_t resolve_frame(struct glint_render *r, const struct glint_frame *f,
+                              const struct planes *p)
 {
     const uint32_t columns = glint_film_columns(r->film);
     const uint32_t cx0 = ((uint32_t)f->x - r->job.region[0]) / GK_TILE_SIDE;
@@ -222,8 +232,8 @@ static glint_status make_frame(struct glint_render *r, const uint32_t rect[4], u
 {
     struct planes planes;
     uint32_t fewest = 0;
-    glint_status st = glint_frame_create(out, r->job.width, r->job.height, (int32_t)rect[0], (int32_t)rect[1],
-                                         rect[2], rect[3], err);
+    glint_status st = glint_frame_create(out, r->job.width, r->job.height, (int32_t)rect[0],
+                                         (int32_t)rect[1], rect[2], rect[3], err);
     if (!st)
         st = make_planes(*out, outputs, r->job.matte_levels, &planes, err);
     if (!st) {
@@ -241,8 +251,8 @@ static glint_status make_frame(struct glint_render *r, const uint32_t rect[4], u
     return GLINT_OK;
 }
 
-glint_status glint_render_frame(glint_render *r, uint32_t outputs, struct glint_frame **out, uint32_t *samples,
-                                struct glint_error *err)
+glint_status glint_render_frame(glint_render *r, uint32_t outputs, struct glint_frame **out,
+                                uint32_t *samples, struct glint_error *err)
 {
     *out = NULL;
     if (outputs == 0 || outputs & ~r->job.outputs)
@@ -264,7 +274,8 @@ uint32_t glint_render_tiles(const glint_render *r)
 
 void glint_render_tile_rect(const glint_render *r, uint32_t tile, uint32_t rect[4])
 {
-    const uint32_t x = tile % client_columns(r) * CLIENT_TILE, y = tile / client_columns(r) * CLIENT_TILE;
+    const uint32_t x = tile % client_columns(r) * CLIENT_TILE,
+                   y = tile / client_columns(r) * CLIENT_TILE;
     rect[0] = r->job.region[0] + x;
     rect[1] = r->job.region[1] + y;
     rect[2] = r->job.region[2] - x < CLIENT_TILE ? r->job.region[2] - x : CLIENT_TILE;
@@ -284,8 +295,8 @@ uint64_t glint_render_tile_version(const glint_render *r, uint32_t tile)
     return newest;
 }
 
-glint_status glint_render_tile(glint_render *r, uint32_t tile, struct glint_frame **out, uint32_t *samples,
-                               uint64_t *version, struct glint_error *err)
+glint_status glint_render_tile(glint_render *r, uint32_t tile, struct glint_frame **out,
+                               uint32_t *samples, uint64_t *version, struct glint_error *err)
 {
     *out = NULL;
     if (tile >= glint_render_tiles(r))

@@ -32,7 +32,8 @@ glint_status glint_wave_create(glint_wave **out, glint_devices *devices, struct 
     if (!w)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a wave");
     w->survivor = malloc(GLINT_WAVE_LANES * sizeof *w->survivor);
-    glint_status st = w->survivor ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a wave");
+    glint_status st =
+        w->survivor ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a wave");
     if (!st)
         st = glint_buffer_create(&w->columns, devices, (size_t)GK_COLUMNS * STRIDE * 4, err);
     if (!st)
@@ -81,8 +82,14 @@ static void charge(struct run *r, enum glint_pass pass)
     r->mark = now;
 }
 
-#define BUFFER(b) {.buffer = (b)}
-#define VALUE(v) {.value = &(v), .size = sizeof(v)}
+#define BUFFER(b)     \
+    {                 \
+        .buffer = (b) \
+    }
+#define VALUE(v)                         \
+    {                                    \
+        .value = &(v), .size = sizeof(v) \
+    }
 
 // Kernels do nothing beyond their n; one group at least, so that n = 0 still compiles them.
 static size_t rounded(uint32_t n)
@@ -90,18 +97,20 @@ static size_t rounded(uint32_t n)
     return n ? (n + GROUP - 1) / GROUP * (size_t)GROUP : GROUP;
 }
 
-static glint_status launch(struct run *r, const char *kernel, uint32_t items, const struct glint_arg *args,
-                           size_t count)
+static glint_status launch(struct run *r, const char *kernel, uint32_t items,
+                           const struct glint_arg *args, size_t count)
 {
-    return glint_launch(r->worker, r->job->program, kernel, rounded(items), GROUP, args, count, r->err);
+    return glint_launch(r->worker, r->job->program, kernel, rounded(items), GROUP, args, count,
+                        r->err);
 }
 
 static glint_status generate(struct run *r)
 {
     const uint32_t stride = STRIDE;
     struct gk_wave_rect *rect = glint_buffer_host(r->wave->rect);
-    *rect = (struct gk_wave_rect){r->block->x,          r->block->y,    r->block->x_end, r->block->y_end,
-                                  r->block->tiles_log2, r->pixels_log2, r->block->sample, r->lanes};
+    *rect = (struct gk_wave_rect){
+        r->block->x,          r->block->y,    r->block->x_end,  r->block->y_end,
+        r->block->tiles_log2, r->pixels_log2, r->block->sample, r->lanes};
     const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), BUFFER(r->job->frame),
                                      BUFFER(r->wave->rect)};
     const glint_status st = launch(r, "generate_camera_rays", r->lanes, args, 4);
@@ -181,10 +190,9 @@ static glint_status accumulate_sample(struct run *r, const struct glint_film_til
                                       uint32_t lane, uint32_t sample)
 {
     const uint32_t stride = STRIDE, half = sample & 1;
-    const struct glint_arg args[] = {BUFFER(r->wave->columns),  VALUE(stride),
-                                     VALUE(n),                  VALUE(lane),
-                                     BUFFER(at->planes),        VALUE(at->planes_offset),
-                                     VALUE(half)};
+    const struct glint_arg args[] = {
+        BUFFER(r->wave->columns), VALUE(stride), VALUE(n), VALUE(lane), BUFFER(at->planes),
+        VALUE(at->planes_offset), VALUE(half)};
     glint_status st = launch(r, "accumulate_colour", n, args, 7);
     charge(r, GLINT_PASS_COLOUR);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_AOVS)) {
@@ -198,31 +206,39 @@ static glint_status deposit_coverage(struct run *r, const struct glint_film_tile
                                      uint32_t lane)
 {
     const uint32_t stride = STRIDE, step = 1u << r->pixels_log2, samples = r->block->samples;
-    const struct glint_arg args[] = {BUFFER(r->wave->columns),  VALUE(stride),
-                                     VALUE(n),                  VALUE(lane),
-                                     VALUE(step),               VALUE(samples),
-                                     BUFFER(at->tables),        VALUE(at->tables_offset),
-                                     VALUE(r->job->matte_slots), VALUE(r->job->matte_policy)};
+    const struct glint_arg args[] = {BUFFER(r->wave->columns),
+                                     VALUE(stride),
+                                     VALUE(n),
+                                     VALUE(lane),
+                                     VALUE(step),
+                                     VALUE(samples),
+                                     BUFFER(at->tables),
+                                     VALUE(at->tables_offset),
+                                     VALUE(r->job->matte_slots),
+                                     VALUE(r->job->matte_policy)};
     const glint_status st = launch(r, "deposit_coverage", n, args, 10);
     charge(r, GLINT_PASS_COVERAGE);
     return st;
 }
 
-static glint_status accumulate_tile(struct run *r, glint_film *film, uint32_t tile_in_block, uint32_t tile)
+static glint_status accumulate_tile(struct run *r, glint_film *film, uint32_t tile_in_block,
+                                    uint32_t tile)
 {
     struct glint_film_tile at;
     glint_film_tile(film, tile, &at);
     glint_status st = GLINT_OK;
     for (uint32_t s = 0; !st && s < r->block->samples; s++)
-        st = accumulate_sample(r, &at, GK_TILE_PIXELS, (s << r->pixels_log2) + tile_in_block * GK_TILE_PIXELS,
+        st = accumulate_sample(r, &at, GK_TILE_PIXELS,
+                               (s << r->pixels_log2) + tile_in_block * GK_TILE_PIXELS,
                                r->block->sample + s);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_COVERAGE))
         st = deposit_coverage(r, &at, GK_TILE_PIXELS, tile_in_block * GK_TILE_PIXELS);
     return st;
 }
 
-glint_status glint_wave_run(glint_wave *wave, glint_worker *worker, const struct glint_wave_job *job,
-                            const struct glint_wave_block *block, glint_film *film, struct glint_error *err)
+glint_status glint_wave_run(glint_wave *wave, glint_worker *worker,
+                            const struct glint_wave_job *job, const struct glint_wave_block *block,
+                            glint_film *film, struct glint_error *err)
 {
     struct run r = {wave, worker, job, block, err, 8 + 2 * block->tiles_log2, 0, glint_now()};
     r.lanes = block->samples << r.pixels_log2;
@@ -253,7 +269,8 @@ static glint_status launch_all(struct run *r)
     return st;
 }
 
-glint_status glint_wave_compile(glint_devices *devices, const struct glint_wave_job *job, struct glint_error *err)
+glint_status glint_wave_compile(glint_devices *devices, const struct glint_wave_job *job,
+                                struct glint_error *err)
 {
     static pthread_mutex_t one_at_a_time = PTHREAD_MUTEX_INITIALIZER;
     const struct glint_wave_block nothing = {0};

@@ -47,9 +47,9 @@ struct glint_wave_block {
     uint32_t column, row, tiles_log2;
     uint32_t sample, samples;
 };
-glint_status glint_wave_run(glint_wave *wave, glint_worker *worker, const struct glint_wave_job *job,
-                            const struct glint_wave_block *block, glint_film *film,
-                            struct glint_error *err);
+glint_status glint_wave_run(glint_wave *wave, glint_worker *worker,
+                            const struct glint_wave_job *job, const struct glint_wave_block *block,
+                            glint_film *film, struct glint_error *err);
 
 const struct glint_wave_stats *glint_wave_stats(const glint_wave *wave);
 

@@ -10,7 +10,8 @@ static double total_of(const double *weight, uint32_t n)
     return total;
 }
 
-bool glint_alias_build(const double *weight, uint32_t n, float *keep, uint32_t *other, size_t stride)
+bool glint_alias_build(const double *weight, uint32_t n, float *keep, uint32_t *other,
+                       size_t stride)
 {
     double *share = malloc(n * sizeof *share);
     uint32_t *stack = malloc(n * sizeof *stack); // small ones from the bottom, large from the top

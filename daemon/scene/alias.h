@@ -9,6 +9,7 @@
 // Walker's alias method in Vose's stable form (1991): entry i is kept with probability keep[i],
 // else other[i] is taken. weight: [n], >= 0, finite; all zero counts as all equal.
 // The strides, in floats, let both land inside records. False without memory.
-bool glint_alias_build(const double *weight, uint32_t n, float *keep, uint32_t *other, size_t stride);
+bool glint_alias_build(const double *weight, uint32_t n, float *keep, uint32_t *other,
+                       size_t stride);
 
 #endif

@@ -49,15 +49,17 @@ static glint_status fill_texels(struct glint_resident *r, const struct glint_ima
 
 // Largest luminance that a bilinear look-up inside the cell can meet, so that no lit direction has
 // zero probability; averaged with the mean so that a single hot texel does not own its cell.
-static double cell_weight(const struct glint_resident *r, const struct glint_image *image, uint32_t cx,
-                          uint32_t cy)
+static double cell_weight(const struct glint_resident *r, const struct glint_image *image,
+                          uint32_t cx, uint32_t cy)
 {
     const struct glint_scene_lighting *l = &r->lighting;
     const struct gk_env_texel *texel = glint_buffer_host(r->env_texel);
     const int64_t x0 = (int64_t)cx * image->width / l->env_cell_width - 1;
-    const int64_t x1 = ((int64_t)(cx + 1) * image->width + l->env_cell_width - 1) / l->env_cell_width + 1;
+    const int64_t x1 =
+        ((int64_t)(cx + 1) * image->width + l->env_cell_width - 1) / l->env_cell_width + 1;
     const int64_t y0 = (int64_t)cy * image->height / l->env_cell_height - 1;
-    const int64_t y1 = ((int64_t)(cy + 1) * image->height + l->env_cell_height - 1) / l->env_cell_height + 1;
+    const int64_t y1 =
+        ((int64_t)(cy + 1) * image->height + l->env_cell_height - 1) / l->env_cell_height + 1;
     double sum = 0.0, most = 0.0;
     for (int64_t y = y0; y < y1; y++)
         for (int64_t x = x0; x < x1; x++) {
@@ -91,15 +93,16 @@ static glint_status fill_cells(struct glint_resident *r, const struct glint_imag
     }
     const bool built = glint_alias_build(weight, n, &cell->keep, &cell->other, 4);
     free(weight);
-    return built ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for the environment's cells");
+    return built ? GLINT_OK
+                 : glint_fail(err, GLINT_E_NOMEM, "", "no memory for the environment's cells");
 }
 
 glint_status glint_resident_build_environment(struct glint_resident *r, struct glint_error *err)
 {
     const struct glint_environment *e = &r->scene->environment;
     struct glint_scene_lighting *l = &r->lighting;
-    const bool present = r->scene->has_environment
-                         && (e->radiance[0] > 0.0f || e->radiance[1] > 0.0f || e->radiance[2] > 0.0f);
+    const bool present = r->scene->has_environment &&
+                         (e->radiance[0] > 0.0f || e->radiance[1] > 0.0f || e->radiance[2] > 0.0f);
     const struct glint_image *image =
         present && e->image != GLINT_NONE ? &r->scene->image[e->image] : NULL;
     r->facts.environment_image = image != NULL;
@@ -114,8 +117,8 @@ glint_status glint_resident_build_environment(struct glint_resident *r, struct g
     l->env_choice = image ? (r->lights ? 0.5f : 1.0f) : 0.0f;
     const size_t texels = (size_t)l->env_width * l->env_height;
     const size_t cells = (size_t)l->env_cell_width * l->env_cell_height;
-    glint_status st = glint_buffer_create(&r->env_texel, r->devices,
-                                          texels * sizeof(struct gk_env_texel), err);
+    glint_status st =
+        glint_buffer_create(&r->env_texel, r->devices, texels * sizeof(struct gk_env_texel), err);
     if (!st)
         st = glint_buffer_create(&r->env_cell, r->devices, cells * sizeof(struct gk_env_cell), err);
     if (!st && image)

@@ -27,6 +27,7 @@ struct glint_scene_facts {
 };
 
 // Names of the effects that hold, static strings. Returns their number, at most `capacity`.
-size_t glint_facts_effects(const struct glint_scene_facts *facts, const char **out, size_t capacity);
+size_t glint_facts_effects(const struct glint_scene_facts *facts, const char **out,
+                           size_t capacity);
 
 #endif

@@ -103,8 +103,8 @@ static void drop_holes(const struct RTCFilterFunctionNArguments *args)
 static RTCGeometry mesh_create(glint_geometry *g, const struct glint_geometry_mesh *mesh)
 {
     RTCGeometry geometry = rtcNewGeometry(g->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    float *position = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                              12, mesh->vertices);
+    float *position = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                              RTC_FORMAT_FLOAT3, 12, mesh->vertices);
     uint32_t *index = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                               12, mesh->triangles);
     if (position && index) {
@@ -122,7 +122,8 @@ static RTCGeometry mesh_create(glint_geometry *g, const struct glint_geometry_me
 }
 
 glint_status glint_geometry_add_mesh(glint_geometry *g, uint32_t row,
-                                     const struct glint_geometry_mesh *mesh, struct glint_error *err)
+                                     const struct glint_geometry_mesh *mesh,
+                                     struct glint_error *err)
 {
     RTCGeometry geometry = mesh_create(g, mesh);
     rtcAttachGeometryByID(g->scene, geometry, row);
@@ -192,8 +193,13 @@ void glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t st
                 COLUMN(GK_COL_DX), COLUMN(GK_COL_DY), COLUMN(GK_COL_DZ), COLUMN(GK_COL_ZERO),
                 COLUMN(GK_COL_T), COLUMN_U32(GK_COL_MASK), COLUMN_U32(GK_COL_ID),
                 COLUMN_U32(GK_COL_ID)},
-        .hit = {COLUMN(GK_COL_NX), COLUMN(GK_COL_NY), COLUMN(GK_COL_NZ), COLUMN(GK_COL_U),
-                COLUMN(GK_COL_V), COLUMN_U32(GK_COL_PRIMITIVE), COLUMN_U32(GK_COL_GEOMETRY),
+        .hit = {COLUMN(GK_COL_NX),
+                COLUMN(GK_COL_NY),
+                COLUMN(GK_COL_NZ),
+                COLUMN(GK_COL_U),
+                COLUMN(GK_COL_V),
+                COLUMN_U32(GK_COL_PRIMITIVE),
+                COLUMN_U32(GK_COL_GEOMETRY),
                 {COLUMN_U32(GK_COL_INSTANCE)}},
     };
     rtcIntersectNp(g->scene, &context, &rays, n);
@@ -203,9 +209,9 @@ void glint_geometry_shadow_wave(const glint_geometry *g, float *wave, uint32_t s
 {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    struct RTCRayNp rays = {
-        COLUMN(GK_COL_SOX), COLUMN(GK_COL_SOY), COLUMN(GK_COL_SOZ), COLUMN(GK_COL_ZERO),
-        COLUMN(GK_COL_SDX), COLUMN(GK_COL_SDY), COLUMN(GK_COL_SDZ), COLUMN(GK_COL_ZERO),
-        COLUMN(GK_COL_ST),  COLUMN_U32(GK_COL_MASK), COLUMN_U32(GK_COL_ID), COLUMN_U32(GK_COL_ID)};
+    struct RTCRayNp rays = {COLUMN(GK_COL_SOX),      COLUMN(GK_COL_SOY),    COLUMN(GK_COL_SOZ),
+                            COLUMN(GK_COL_ZERO),     COLUMN(GK_COL_SDX),    COLUMN(GK_COL_SDY),
+                            COLUMN(GK_COL_SDZ),      COLUMN(GK_COL_ZERO),   COLUMN(GK_COL_ST),
+                            COLUMN_U32(GK_COL_MASK), COLUMN_U32(GK_COL_ID), COLUMN_U32(GK_COL_ID)};
     rtcOccludedNp(g->scene, &context, &rays, n);
 }

@@ -25,7 +25,8 @@ struct glint_geometry_mesh {
 };
 
 // Whether the surface has a hole at (u, v) of a primitive: called from tracing threads.
-typedef bool glint_geometry_hole(const void *user, uint32_t row, uint32_t primitive, float u, float v);
+typedef bool glint_geometry_hole(const void *user, uint32_t row, uint32_t primitive, float u,
+                                 float v);
 
 // robust: watertight traversal, 1.2x the time.
 glint_status glint_geometry_create(glint_geometry **out, bool robust, glint_geometry_hole *hole,
@@ -33,7 +34,8 @@ glint_status glint_geometry_create(glint_geometry **out, bool robust, glint_geom
 void glint_geometry_destroy(glint_geometry **geometry);
 
 glint_status glint_geometry_add_mesh(glint_geometry *g, uint32_t row,
-                                     const struct glint_geometry_mesh *mesh, struct glint_error *err);
+                                     const struct glint_geometry_mesh *mesh,
+                                     struct glint_error *err);
 // A template is a mesh without a place; *index counts from 0.
 glint_status glint_geometry_add_template(glint_geometry *g, const struct glint_geometry_mesh *mesh,
                                          uint32_t *index, struct glint_error *err);

@@ -13,10 +13,10 @@
 // light. Rows are the indices of gk_instance records.
 struct glint_row {
     const struct glint_mesh *mesh;
-    float transform[16]; // to the scene's centre
-    uint32_t material;   // index into the material records
-    uint32_t matte;      // key
-    uint32_t triangle;   // first record
+    float transform[16];     // to the scene's centre
+    uint32_t material;       // index into the material records
+    uint32_t matte;          // key
+    uint32_t triangle;       // first record
     uint32_t template_index; // GLINT_NONE: baked into world space
     bool emits;
 };
@@ -45,7 +45,7 @@ struct glint_resident {
     uint32_t rows;
     struct glint_kept *kept; // [scene->meshes + 1], the last for area lights
 
-    struct glint_mesh quad; // unit square in xy facing -z, for area lights
+    struct glint_mesh quad;        // unit square in xy facing -z, for area lights
     struct glint_matte_key *matte; // [mattes], by key; 0 and 1 unused
     uint32_t mattes;
 

@@ -33,7 +33,8 @@ static double texture_mean(const struct glint_resident *r, uint32_t texture)
     const size_t n = (size_t)image->width * image->height;
     double sum = 0.0;
     for (size_t i = 0; i < n; i++)
-        sum += 0.2126 * decode[p[4 * i]] + 0.7152 * decode[p[4 * i + 1]] + 0.0722 * decode[p[4 * i + 2]];
+        sum += 0.2126 * decode[p[4 * i]] + 0.7152 * decode[p[4 * i + 1]] +
+               0.0722 * decode[p[4 * i + 2]];
     return sum / (double)n;
 }
 
@@ -47,17 +48,19 @@ static uint32_t count_lights(const struct glint_resident *r)
     return n;
 }
 
-static void triangle_light(const struct glint_resident *r, const struct glint_row *row, uint32_t index,
-                           struct gk_light *l)
+static void triangle_light(const struct glint_resident *r, const struct glint_row *row,
+                           uint32_t index, struct gk_light *l)
 {
     const struct glint_kept *k = glint_row_kept(r, row);
-    const struct gk_material *m = (const struct gk_material *)glint_buffer_host(r->material) + row->material;
+    const struct gk_material *m =
+        (const struct gk_material *)glint_buffer_host(r->material) + row->material;
     const bool flip = glint_row_determinant(row) < 0.0;
     float p[3][3];
     for (int c = 0; c < 3; c++) {
         double world[3];
-        glint_row_point(row, row->mesh->position + 3 * (size_t)k->index[3 * index + (flip && c ? 3 - c : c)],
-                        world);
+        glint_row_point(
+            row, row->mesh->position + 3 * (size_t)k->index[3 * index + (flip && c ? 3 - c : c)],
+            world);
         for (int a = 0; a < 3; a++)
             p[c][a] = (float)world[a];
     }
@@ -77,10 +80,12 @@ static void triangle_light(const struct glint_resident *r, const struct glint_ro
 static void add_row(struct glint_resident *r, const struct glint_row *row, double *power)
 {
     const struct glint_kept *k = glint_row_kept(r, row);
-    const struct gk_material *m = (const struct gk_material *)glint_buffer_host(r->material) + row->material;
+    const struct gk_material *m =
+        (const struct gk_material *)glint_buffer_host(r->material) + row->material;
     const double mean = luminance(m->emission) * texture_mean(r, m->emission_texture);
     struct gk_light *table = glint_buffer_host(r->light);
-    struct gk_triangle *record = (struct gk_triangle *)glint_buffer_host(r->triangle) + row->triangle;
+    struct gk_triangle *record =
+        (struct gk_triangle *)glint_buffer_host(r->triangle) + row->triangle;
     for (uint32_t i = 0; i < k->triangles; i++) {
         struct gk_light *l = &table[r->lights];
         triangle_light(r, row, i, l);
@@ -132,7 +137,8 @@ static void add_punctual(struct glint_resident *r, const struct glint_light *fro
     r->lights += power[r->lights] > 0.0;
 }
 
-static glint_status choose_by(struct glint_resident *r, const double *power, struct glint_error *err)
+static glint_status choose_by(struct glint_resident *r, const double *power,
+                              struct glint_error *err)
 {
     struct gk_alias *alias = glint_buffer_host(r->alias);
     struct gk_light *light = glint_buffer_host(r->light);
@@ -152,10 +158,11 @@ glint_status glint_resident_build_lights(struct glint_resident *r, struct glint_
     double *power = calloc(capacity, sizeof *power);
     if (!power)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u lights", capacity);
-    glint_status st = glint_buffer_create(&r->light, r->devices,
-                                          (size_t)capacity * sizeof(struct gk_light), err);
+    glint_status st =
+        glint_buffer_create(&r->light, r->devices, (size_t)capacity * sizeof(struct gk_light), err);
     if (!st)
-        st = glint_buffer_create(&r->alias, r->devices, (size_t)capacity * sizeof(struct gk_alias), err);
+        st = glint_buffer_create(&r->alias, r->devices, (size_t)capacity * sizeof(struct gk_alias),
+                                 err);
     if (!st) {
         for (uint32_t i = 0; i < r->rows; i++)
             if (r->row[i].emits)

@@ -16,7 +16,8 @@ static float fresnel_mean(float ior)
     return (float)(sum / steps);
 }
 
-static void fill(const struct glint_resident *r, const struct glint_material *m, struct gk_material *out)
+static void fill(const struct glint_resident *r, const struct glint_material *m,
+                 struct gk_material *out)
 {
     memset(out, 0, sizeof *out);
     memcpy(out->base, m->base_color, sizeof out->base);
@@ -33,8 +34,8 @@ static void fill(const struct glint_resident *r, const struct glint_material *m,
     out->rough_texture = glint_resident_texture(r, &m->metallic_roughness_texture, false);
     out->normal_texture = glint_resident_texture(r, &m->normal_texture, false);
     out->emission_texture = glint_resident_texture(r, &m->emission_texture, true);
-    out->flags = (m->thin ? GK_MATERIAL_THIN : 0u)
-                 | (m->double_sided ? GK_MATERIAL_TWO_SIDED_EMISSION : 0u);
+    out->flags =
+        (m->thin ? GK_MATERIAL_THIN : 0u) | (m->double_sided ? GK_MATERIAL_TWO_SIDED_EMISSION : 0u);
 }
 
 // An area light is black but for what it emits.
@@ -53,8 +54,8 @@ static void note_facts(struct glint_scene_facts *f, const struct gk_material *m)
 {
     f->microfacet |= m->metallic > 0.0f || m->ior != 1.0f || m->transmission > 0.0f;
     f->transmission |= m->transmission > 0.0f;
-    f->textures |= m->base_texture != GK_NONE || m->rough_texture != GK_NONE
-                   || m->emission_texture != GK_NONE;
+    f->textures |=
+        m->base_texture != GK_NONE || m->rough_texture != GK_NONE || m->emission_texture != GK_NONE;
     f->normal_maps |= m->normal_texture != GK_NONE;
     f->emission |= m->emission[0] > 0.0f || m->emission[1] > 0.0f || m->emission[2] > 0.0f;
     f->cutout |= m->cutoff > 0.0f;
@@ -72,8 +73,8 @@ glint_status glint_resident_build_materials(struct glint_resident *r, struct gli
 {
     const struct glint_scene *s = r->scene;
     const size_t records = (size_t)s->materials + area_lights(s) + 1;
-    glint_status st = glint_buffer_create(&r->material, r->devices,
-                                          records * sizeof(struct gk_material), err);
+    glint_status st =
+        glint_buffer_create(&r->material, r->devices, records * sizeof(struct gk_material), err);
     if (st)
         return st;
     struct gk_material *m = glint_buffer_host(r->material);

@@ -24,15 +24,17 @@ static bool hole_at(const void *user, uint32_t row, uint32_t primitive, float u,
 {
     const struct glint_resident *r = user;
     const struct glint_row *at = &r->row[row];
-    const struct gk_material *m = (const struct gk_material *)glint_buffer_host(r->material) + at->material;
+    const struct gk_material *m =
+        (const struct gk_material *)glint_buffer_host(r->material) + at->material;
     if (m->cutoff <= 0.0f)
         return false;
     const struct gk_triangle *t =
         (const struct gk_triangle *)glint_buffer_host(r->triangle) + at->triangle + primitive;
     const float w = 1.0f - u - v;
     return glint_texture_alpha(r, m->base_texture, w * t->uv[0] + u * t->uv[2] + v * t->uv[4],
-                               w * t->uv[1] + u * t->uv[3] + v * t->uv[5])
-               * m->opacity < m->cutoff;
+                               w * t->uv[1] + u * t->uv[3] + v * t->uv[5]) *
+               m->opacity <
+           m->cutoff;
 }
 
 // World positions of a baked row and its indices, winding turned where it mirrors; malloc'd.
@@ -82,7 +84,8 @@ static glint_status add_row(const struct glint_resident *r, glint_geometry *g, u
     glint_status st = GLINT_OK;
     if (!made[row->template_index]) { // templates are numbered in the order of their first row
         const struct glint_geometry_mesh mesh = {row->mesh->position, row->mesh->vertices, k->index,
-                                                 k->triangles, template_has_holes(r, row->template_index)};
+                                                 k->triangles,
+                                                 template_has_holes(r, row->template_index)};
         uint32_t number;
         st = glint_geometry_add_template(g, &mesh, &number, err);
         made[row->template_index] = true;

@@ -68,8 +68,8 @@ struct glint_kept *glint_row_kept(const struct glint_resident *r, const struct g
 static bool wants_template(const struct glint_resident *r, const struct glint_row *row)
 {
     const struct glint_kept *k = glint_row_kept(r, row);
-    return k->uses > 1 && !row->emits && glint_row_determinant(row) > 0.0
-           && (uint64_t)k->uses * k->triangles > BAKE_LIMIT;
+    return k->uses > 1 && !row->emits && glint_row_determinant(row) > 0.0 &&
+           (uint64_t)k->uses * k->triangles > BAKE_LIMIT;
 }
 
 // Gives every row its first record; templates share theirs. Returns the number of records.
@@ -141,7 +141,8 @@ static void add_face_tangent(const struct glint_mesh *m, const uint32_t *t, doub
     double e1[3], e2[3], n[3], tangent[3], bitangent[3], side[3];
     edge(m->position + 3 * (size_t)t[0], m->position + 3 * (size_t)t[1], e1);
     edge(m->position + 3 * (size_t)t[0], m->position + 3 * (size_t)t[2], e2);
-    const float *a = m->uv + 2 * (size_t)t[0], *b = m->uv + 2 * (size_t)t[1], *c = m->uv + 2 * (size_t)t[2];
+    const float *a = m->uv + 2 * (size_t)t[0], *b = m->uv + 2 * (size_t)t[1],
+                *c = m->uv + 2 * (size_t)t[2];
     const double u1 = b[0] - a[0], v1 = b[1] - a[1], u2 = c[0] - a[0], v2 = c[1] - a[1];
     const double det = u1 * v2 - u2 * v1;
     if (det == 0.0)
@@ -240,11 +241,12 @@ static glint_status fill_row(struct glint_resident *r, uint32_t index, bool *fil
 static glint_status allocate(struct glint_resident *r, struct glint_error *err)
 {
     const uint64_t records = r->triangles ? r->triangles : 1;
-    glint_status st = glint_buffer_create(&r->triangle, r->devices,
-                                          records * sizeof(struct gk_triangle), err);
+    glint_status st =
+        glint_buffer_create(&r->triangle, r->devices, records * sizeof(struct gk_triangle), err);
     if (!st)
         st = glint_buffer_create(&r->tangent, r->devices,
-                                 (r->facts.normal_maps ? records : 1) * sizeof(struct gk_tangent), err);
+                                 (r->facts.normal_maps ? records : 1) * sizeof(struct gk_tangent),
+                                 err);
     if (!st)
         st = glint_buffer_create(&r->instance, r->devices,
                                  ((size_t)r->rows + 1) * sizeof(struct gk_instance), err);

@@ -8,9 +8,9 @@
 
 static void release_tables(struct glint_resident *r)
 {
-    glint_buffer **table[] = {&r->triangle, &r->tangent,  &r->instance, &r->material, &r->texture,
-                              &r->pool[0],  &r->pool[1],  &r->pool[2],  &r->pool[3],  &r->decode,
-                              &r->light,    &r->alias,    &r->env_texel, &r->env_cell};
+    glint_buffer **table[] = {&r->triangle, &r->tangent, &r->instance,  &r->material, &r->texture,
+                              &r->pool[0],  &r->pool[1], &r->pool[2],   &r->pool[3],  &r->decode,
+                              &r->light,    &r->alias,   &r->env_texel, &r->env_cell};
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)
         glint_buffer_destroy(table[i]);
 }
@@ -66,13 +66,14 @@ static glint_status build(struct glint_resident *r, struct glint_error *err)
 static void count_bytes(struct glint_resident *r)
 {
     struct glint_resident_stats *s = &r->stats;
-    s->record_bytes = glint_buffer_bytes(r->triangle) + glint_buffer_bytes(r->tangent)
-                      + glint_buffer_bytes(r->instance) + glint_buffer_bytes(r->material);
-    s->light_bytes = glint_buffer_bytes(r->light) + glint_buffer_bytes(r->alias)
-                     + glint_buffer_bytes(r->env_texel) + glint_buffer_bytes(r->env_cell);
+    s->record_bytes = glint_buffer_bytes(r->triangle) + glint_buffer_bytes(r->tangent) +
+                      glint_buffer_bytes(r->instance) + glint_buffer_bytes(r->material);
+    s->light_bytes = glint_buffer_bytes(r->light) + glint_buffer_bytes(r->alias) +
+                     glint_buffer_bytes(r->env_texel) + glint_buffer_bytes(r->env_cell);
     for (uint32_t i = 0; i < r->scene->meshes; i++) {
         const struct glint_mesh *m = &r->scene->mesh[i];
-        const uint64_t vertex = 12u + (m->normal ? 12u : 0u) + (m->uv ? 8u : 0u) + (m->tangent ? 16u : 0u);
+        const uint64_t vertex =
+            12u + (m->normal ? 12u : 0u) + (m->uv ? 8u : 0u) + (m->tangent ? 16u : 0u);
         s->geometry_bytes += m->vertices * vertex + m->triangles * 12ull;
     }
     s->bvh_bytes = glint_geometry_bytes(r->geometry[0]);
@@ -168,8 +169,8 @@ glint_buffer *glint_resident_table(const glint_resident *r, enum glint_table tab
     return buffer[table];
 }
 
-glint_status glint_resident_geometry(glint_resident *r, bool robust, const struct glint_geometry **out,
-                                     struct glint_error *err)
+glint_status glint_resident_geometry(glint_resident *r, bool robust,
+                                     const struct glint_geometry **out, struct glint_error *err)
 {
     glint_status st = GLINT_OK;
     pthread_mutex_lock(&r->mutex);

@@ -31,8 +31,8 @@ struct glint_resident_stats {
     uint64_t triangles, instanced_triangles; // stored, and as seen with instances expanded
     uint64_t geometry_bytes, bvh_bytes, record_bytes, texture_bytes, light_bytes;
     double geometry_seconds, bvh_seconds, texture_seconds, light_seconds;
-    uint32_t lights;   // emitters of all kinds
-    uint32_t dropped;  // degenerate triangles left out
+    uint32_t lights;  // emitters of all kinds
+    uint32_t dropped; // degenerate triangles left out
 };
 void glint_resident_stats(const glint_resident *resident, struct glint_resident_stats *out);
 
@@ -41,11 +41,11 @@ const struct glint_scene_facts *glint_resident_facts(const glint_resident *resid
 
 // Numbers for the frame constants.
 struct glint_scene_lighting {
-    uint32_t lights;       // entries of the light table
-    float environment[3];  // radiance, or factor of the image
+    uint32_t lights;      // entries of the light table
+    float environment[3]; // radiance, or factor of the image
     uint32_t env_width, env_height, env_cell_width, env_cell_height;
-    float env_rotation;    // radians
-    float env_choice;      // share of light samples that go to the environment image
+    float env_rotation; // radians
+    float env_choice;   // share of light samples that go to the environment image
 };
 const struct glint_scene_lighting *glint_resident_lighting(const glint_resident *resident);
 
@@ -53,11 +53,23 @@ const struct glint_scene_lighting *glint_resident_lighting(const glint_resident 
 void glint_resident_centre(const glint_resident *resident, double centre[3]);
 
 // Buffers by purpose, never NULL (tables that a scene does not need hold one dummy entry).
-enum glint_table { GLINT_TABLE_TRIANGLES, GLINT_TABLE_TANGENTS, GLINT_TABLE_INSTANCES,
-                   GLINT_TABLE_MATERIALS, GLINT_TABLE_TEXTURES, GLINT_TABLE_POOL0, GLINT_TABLE_POOL1,
-                   GLINT_TABLE_POOL2, GLINT_TABLE_POOL3, GLINT_TABLE_DECODE, GLINT_TABLE_LIGHTS,
-                   GLINT_TABLE_ALIAS, GLINT_TABLE_ENV_TEXELS, GLINT_TABLE_ENV_CELLS,
-                   GLINT_TABLES };
+enum glint_table {
+    GLINT_TABLE_TRIANGLES,
+    GLINT_TABLE_TANGENTS,
+    GLINT_TABLE_INSTANCES,
+    GLINT_TABLE_MATERIALS,
+    GLINT_TABLE_TEXTURES,
+    GLINT_TABLE_POOL0,
+    GLINT_TABLE_POOL1,
+    GLINT_TABLE_POOL2,
+    GLINT_TABLE_POOL3,
+    GLINT_TABLE_DECODE,
+    GLINT_TABLE_LIGHTS,
+    GLINT_TABLE_ALIAS,
+    GLINT_TABLE_ENV_TEXELS,
+    GLINT_TABLE_ENV_CELLS,
+    GLINT_TABLES
+};
 glint_buffer *glint_resident_table(const glint_resident *resident, enum glint_table table);
 
 // The traversal structure; the robust one is built when it is first asked for.

@@ -7,15 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const float quad_position[12] = {-0.5f, -0.5f, 0, 0.5f, -0.5f, 0, 0.5f, 0.5f, 0, -0.5f, 0.5f, 0};
+static const float quad_position[12] = {-0.5f, -0.5f, 0, 0.5f,  -0.5f, 0,
+                                        0.5f,  0.5f,  0, -0.5f, 0.5f,  0};
 static const float quad_uv[8] = {0, 1, 1, 1, 1, 0, 0, 0};
 static const uint32_t quad_index[6] = {0, 2, 1, 0, 3, 2}; // faces -z, where area lights look
 
 void glint_row_point(const struct glint_row *row, const float p[3], double out[3])
 {
     for (int i = 0; i < 3; i++)
-        out[i] = (double)row->transform[i] * p[0] + (double)row->transform[4 + i] * p[1]
-                 + (double)row->transform[8 + i] * p[2] + (double)row->transform[12 + i];
+        out[i] = (double)row->transform[i] * p[0] + (double)row->transform[4 + i] * p[1] +
+                 (double)row->transform[8 + i] * p[2] + (double)row->transform[12 + i];
 }
 
 static void cofactors(const float t[16], double c[9])
@@ -130,7 +131,8 @@ struct named {
 
 static int by_name(const void *a, const void *b)
 {
-    const struct glint_matte_key *p = &((const struct named *)a)->key, *q = &((const struct named *)b)->key;
+    const struct glint_matte_key *p = &((const struct named *)a)->key,
+                                 *q = &((const struct named *)b)->key;
     int order = 0;
     for (int k = 0; !order && k < 3; k++)
         order = (p->id[k] > q->id[k]) - (p->id[k] < q->id[k]);
@@ -203,12 +205,15 @@ static glint_status build_keys(struct glint_resident *r, size_t capacity, struct
     r->matte = calloc(capacity + things + 2, sizeof *r->matte);
     glint_status st = GLINT_OK;
     if (!named || !used || !r->matte)
-        st = glint_fail(err, GLINT_E_NOMEM, "", "no memory for the names of %zu instances", capacity);
+        st = glint_fail(err, GLINT_E_NOMEM, "", "no memory for the names of %zu instances",
+                        capacity);
     if (!st)
         assign_keys(r, named);
     if (!st && r->mattes - 1 > GK_MATTE_MAX_KEY)
-        st = glint_fail(err, GLINT_E_RANGE, "/instances", "%u combinations of object, material and asset are "
-                        "more than the %u that mattes tell apart", r->mattes - 2, GK_MATTE_MAX_KEY - 1);
+        st = glint_fail(err, GLINT_E_RANGE, "/instances",
+                        "%u combinations of object, material and asset are "
+                        "more than the %u that mattes tell apart",
+                        r->mattes - 2, GK_MATTE_MAX_KEY - 1);
     if (!st)
         append_unused(r, used);
     free(named);
@@ -220,8 +225,12 @@ glint_status glint_resident_build_rows(struct glint_resident *r, struct glint_er
 {
     const struct glint_scene *s = r->scene;
     const size_t capacity = (size_t)s->instances + s->lights;
-    r->quad = (struct glint_mesh){.id = "area light", .vertices = 4, .triangles = 2,
-                                  .position = quad_position, .uv = quad_uv, .index = quad_index};
+    r->quad = (struct glint_mesh){.id = "area light",
+                                  .vertices = 4,
+                                  .triangles = 2,
+                                  .position = quad_position,
+                                  .uv = quad_uv,
+                                  .index = quad_index};
     r->row = calloc(capacity + 1, sizeof *r->row);
     r->kept = calloc((size_t)s->meshes + 1, sizeof *r->kept);
     if (!r->row || !r->kept)

@@ -39,8 +39,8 @@ static uint32_t flags_of(const struct glint_texture *use, bool srgb)
 }
 
 // Finds room for every image that a material uses.
-static glint_status place_images(const struct glint_resident *r, struct spot *spot, size_t used[POOLS],
-                                 struct glint_error *err)
+static glint_status place_images(const struct glint_resident *r, struct spot *spot,
+                                 size_t used[POOLS], struct glint_error *err)
 {
     uint32_t pool = 0;
     for (uint32_t i = 0; i < r->scene->images; i++) {
@@ -93,8 +93,9 @@ static struct gk_texture record_of(const struct glint_resident *r, const struct 
                                    const struct glint_texture *use, bool srgb)
 {
     const struct glint_image *image = &r->scene->image[use->image];
-    return (struct gk_texture){spot[use->image].offset, spot[use->image].pool, image->width,
-                               image->height, spot[use->image].tiles, flags_of(use, srgb), use->image, 0};
+    return (struct gk_texture){
+        spot[use->image].offset, spot[use->image].pool, image->width, image->height,
+        spot[use->image].tiles,  flags_of(use, srgb),   use->image,   0};
 }
 
 static void add_records(struct glint_resident *r, const struct spot *spot)
@@ -114,7 +115,8 @@ static void add_records(struct glint_resident *r, const struct spot *spot)
         t[0] = (struct gk_texture){.width = 1, .height = 1, .tiles = 1};
 }
 
-static glint_status mark_used(const struct glint_resident *r, struct spot *spot, struct glint_error *err)
+static glint_status mark_used(const struct glint_resident *r, struct spot *spot,
+                              struct glint_error *err)
 {
     glint_status st = GLINT_OK;
     for (uint32_t i = 0; i < r->scene->materials; i++)
@@ -172,7 +174,8 @@ glint_status glint_resident_build_textures(struct glint_resident *r, struct glin
     return st;
 }
 
-uint32_t glint_resident_texture(const struct glint_resident *r, const struct glint_texture *use, bool srgb)
+uint32_t glint_resident_texture(const struct glint_resident *r, const struct glint_texture *use,
+                                bool srgb)
 {
     if (use->image == GLINT_NONE)
         return GK_NONE;
@@ -189,7 +192,8 @@ float glint_texture_alpha(const struct glint_resident *r, uint32_t texture, floa
     const uint32_t *pool[POOLS];
     for (int p = 0; p < POOLS; p++)
         pool[p] = glint_buffer_host(r->pool[p]);
-    const struct gk_texture_pools pools = {glint_buffer_host(r->texture), pool[0], pool[1],
-                                           pool[2], pool[3], glint_buffer_host(r->decode)};
+    const struct gk_texture_pools pools = {
+        glint_buffer_host(r->texture), pool[0], pool[1], pool[2], pool[3],
+        glint_buffer_host(r->decode)};
     return gk_texture_fetch(&pools, texture, u, v).a;
 }

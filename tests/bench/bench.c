@@ -33,10 +33,12 @@ struct bench_ratio bench_ratio_of(const double *a, const double *b, size_t pairs
         medians[r] = median_of(drawn, pairs);
     }
     qsort(medians, RESAMPLES, sizeof *medians, by_value);
-    return (struct bench_ratio){median_of(ratio, pairs), medians[RESAMPLES / 40], medians[RESAMPLES - 1 - RESAMPLES / 40]};
+    return (struct bench_ratio){median_of(ratio, pairs), medians[RESAMPLES / 40],
+                                medians[RESAMPLES - 1 - RESAMPLES / 40]};
 }
 
-void bench_pairs(double (*run_a)(void *), double (*run_b)(void *), void *user, double *a, double *b, size_t pairs)
+void bench_pairs(double (*run_a)(void *), double (*run_b)(void *), void *user, double *a, double *b,
+                 size_t pairs)
 {
     for (size_t i = 0; i < pairs; i++) {
         if (i % 2 == 0) {
@@ -57,7 +59,8 @@ const char *bench_million_scene(void)
     size_t used = 0;
     APPEND("{\"materials\":{"
            "\"wall\":{\"base_color\":[0.75,0.75,0.75],\"roughness\":0.8},"
-           "\"lamp\":{\"base_color\":[0,0,0],\"ior\":1,\"emission\":[12,11,10],\"double_sided\":false},"
+           "\"lamp\":{\"base_color\":[0,0,0],\"ior\":1,\"emission\":[12,11,10],\"double_sided\":"
+           "false},"
            "\"m0\":{\"base_color\":[0.95,0.7,0.3],\"roughness\":0.25,\"metallic\":1},"
            "\"m1\":{\"base_color\":[0.9,0.9,0.95],\"roughness\":0.1,\"metallic\":1},"
            "\"m2\":{\"base_color\":[0.3,0.4,0.8],\"roughness\":0.3},"
@@ -67,14 +70,19 @@ const char *bench_million_scene(void)
            "\"meshes\":{\"room\":{\"primitive\":\"box\",\"size\":[10,10,14]},"
            "\"lamp\":{\"primitive\":\"quad\",\"size\":[1.5,1.5]}");
     for (int i = 0; i < 18; i++) // a mesh each: nothing is instanced
-        APPEND(",\"ball%d\":{\"primitive\":\"sphere\",\"radius\":%g,\"segments\":224}", i, 1.2 + 0.001 * i);
+        APPEND(",\"ball%d\":{\"primitive\":\"sphere\",\"radius\":%g,\"segments\":224}", i,
+               1.2 + 0.001 * i);
     APPEND("},\"instances\":{\"room\":{\"mesh\":\"room\",\"material\":\"wall\"}");
     for (int i = 0; i < 18; i++)
-        APPEND(",\"ball%d\":{\"mesh\":\"ball%d\",\"material\":\"m%d\",\"transform\":{\"translation\":[%g,%g,%g]}}", i, i,
-               i * 5 % 6, -3.0 + 3.0 * (i % 3), -3.6 + 3.6 * (i / 9) + 0.3 * (i % 2), -4.2 + 3.0 * (i / 3 % 3));
+        APPEND(",\"ball%d\":{\"mesh\":\"ball%d\",\"material\":\"m%d\",\"transform\":{"
+               "\"translation\":[%g,%g,%g]}}",
+               i, i, i * 5 % 6, -3.0 + 3.0 * (i % 3), -3.6 + 3.6 * (i / 9) + 0.3 * (i % 2),
+               -4.2 + 3.0 * (i / 3 % 3));
     for (int i = 0; i < 4; i++)
-        APPEND(",\"lamp%d\":{\"mesh\":\"lamp\",\"material\":\"lamp\",\"transform\":{\"translation\":[%g,4.95,%g],"
-               "\"rotation\":[0.70710678,0,0,0.70710678]}}", i, i % 2 ? 2.2 : -2.2, i / 2 ? 2.2 : -2.2);
+        APPEND(",\"lamp%d\":{\"mesh\":\"lamp\",\"material\":\"lamp\",\"transform\":{"
+               "\"translation\":[%g,4.95,%g],"
+               "\"rotation\":[0.70710678,0,0,0.70710678]}}",
+               i, i % 2 ? 2.2 : -2.2, i / 2 ? 2.2 : -2.2);
     APPEND("},\"cameras\":{\"eye\":{\"yfov\":0.9,\"transform\":{\"translation\":[0,0,6.9]}}}}");
     return text;
 }

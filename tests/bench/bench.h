@@ -12,7 +12,8 @@ struct bench_ratio {
 struct bench_ratio bench_ratio_of(const double *a, const double *b, size_t pairs);
 
 // Fills a[pairs] and b[pairs] by calling the two in the order A B B A; each returns its cost.
-void bench_pairs(double (*run_a)(void *), double (*run_b)(void *), void *user, double *a, double *b, size_t pairs);
+void bench_pairs(double (*run_a)(void *), double (*run_b)(void *), void *user, double *a, double *b,
+                 size_t pairs);
 
 // 904 K triangles: a room with 18 finely tessellated balls of rough metal, coated and matt
 // materials under four lamps.

@@ -31,17 +31,27 @@ static struct {
 static struct RTCRay ray_at(const float *wave, uint32_t stride, uint32_t i, int origin, float t)
 {
     const float *c = wave + (size_t)origin * stride + i;
-    return (struct RTCRay){.org_x = c[0], .org_y = c[stride], .org_z = c[2 * (size_t)stride],
-                           .dir_x = c[3 * (size_t)stride], .dir_y = c[4 * (size_t)stride],
-                           .dir_z = c[5 * (size_t)stride], .tfar = t, .mask = UINT32_MAX};
+    return (struct RTCRay){.org_x = c[0],
+                           .org_y = c[stride],
+                           .org_z = c[2 * (size_t)stride],
+                           .dir_x = c[3 * (size_t)stride],
+                           .dir_y = c[4 * (size_t)stride],
+                           .dir_z = c[5 * (size_t)stride],
+                           .tfar = t,
+                           .mask = UINT32_MAX};
 }
 
-void __real_glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n);
-void __real_glint_geometry_shadow_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n);
-void __wrap_glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n);
-void __wrap_glint_geometry_shadow_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n);
+void __real_glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t stride,
+                                      uint32_t n);
+void __real_glint_geometry_shadow_wave(const glint_geometry *g, float *wave, uint32_t stride,
+                                       uint32_t n);
+void __wrap_glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t stride,
+                                      uint32_t n);
+void __wrap_glint_geometry_shadow_wave(const glint_geometry *g, float *wave, uint32_t stride,
+                                       uint32_t n);
 
-void __wrap_glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n)
+void __wrap_glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t stride,
+                                      uint32_t n)
 {
     for (uint32_t i = 0; record.on && i < n && record.hits < record.capacity; i++) {
         ray_hit r = {.ray = ray_at(wave, stride, i, GK_COL_OX, INFINITY)};
@@ -51,7 +61,8 @@ void __wrap_glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint
     __real_glint_geometry_trace_wave(g, wave, stride, n);
 }
 
-void __wrap_glint_geometry_shadow_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n)
+void __wrap_glint_geometry_shadow_wave(const glint_geometry *g, float *wave, uint32_t stride,
+                                       uint32_t n)
 {
     for (uint32_t i = 0; record.on && i < n && record.shadows < record.capacity; i++) {
         const float t = wave[(size_t)GK_COL_ST * stride + i];
@@ -67,8 +78,8 @@ struct bench {
     glint_worker *worker;
     struct glint_slice slice[SLICES];
     RTCScene scene;
-    int call;       // of Embree's, index into call_name
-    uint32_t *soa;  // columns of one batch for the Np calls
+    int call;      // of Embree's, index into call_name
+    uint32_t *soa; // columns of one batch for the Np calls
 };
 
 static const char *const call_name[] = {"1", "1M", "Np", "16"};
@@ -97,8 +108,18 @@ static void to_columns(const void *rays, size_t words, size_t size, uint32_t *so
 static struct RTCRayNp ray_columns(uint32_t *c)
 {
     float *f = (float *)c;
-    return (struct RTCRayNp){f, f + BATCH, f + 2 * BATCH, f + 3 * BATCH, f + 4 * BATCH, f + 5 * BATCH,
-                             f + 6 * BATCH, f + 7 * BATCH, f + 8 * BATCH, c + 9 * BATCH, c + 10 * BATCH, c + 11 * BATCH};
+    return (struct RTCRayNp){f,
+                             f + BATCH,
+                             f + 2 * BATCH,
+                             f + 3 * BATCH,
+                             f + 4 * BATCH,
+                             f + 5 * BATCH,
+                             f + 6 * BATCH,
+                             f + 7 * BATCH,
+                             f + 8 * BATCH,
+                             c + 9 * BATCH,
+                             c + 10 * BATCH,
+                             c + 11 * BATCH};
 }
 
 static double trace_np(struct bench *b, struct RTCIntersectContext *context)
@@ -106,8 +127,15 @@ static double trace_np(struct bench *b, struct RTCIntersectContext *context)
     double seconds = 0.0;
     uint32_t *c = b->soa;
     float *f = (float *)c;
-    struct RTCRayHitNp np = {ray_columns(c), {f + 12 * BATCH, f + 13 * BATCH, f + 14 * BATCH, f + 15 * BATCH,
-                                              f + 16 * BATCH, c + 17 * BATCH, c + 18 * BATCH, {c + 19 * BATCH}}};
+    struct RTCRayHitNp np = {ray_columns(c),
+                             {f + 12 * BATCH,
+                              f + 13 * BATCH,
+                              f + 14 * BATCH,
+                              f + 15 * BATCH,
+                              f + 16 * BATCH,
+                              c + 17 * BATCH,
+                              c + 18 * BATCH,
+                              {c + 19 * BATCH}}};
     for (size_t i = 0; i < record.hits; i += BATCH) {
         const size_t n = record.hits - i < BATCH ? record.hits - i : BATCH;
         to_columns(record.hit + i, 20, sizeof *record.hit, c, n);
@@ -141,7 +169,8 @@ static double trace_16(struct bench *b, struct RTCIntersectContext *context)
         for (size_t k = 0; k < 1024; k++)
             for (size_t w = 0; w < (shadows ? 12u : 20u); w++)
                 ((uint32_t *)&packet[k / 16])[w * 16 + k % 16] =
-                    shadows ? ((const uint32_t *)&record.shadow[at + k])[w] : ((const uint32_t *)&record.hit[at + k])[w];
+                    shadows ? ((const uint32_t *)&record.shadow[at + k])[w]
+                            : ((const uint32_t *)&record.hit[at + k])[w];
         const double start = glint_thread_cpu();
         for (int p = 0; p < 64; p++) {
             if (shadows)
@@ -174,10 +203,12 @@ static double run_pure(void *user)
     } else {
         for (size_t i = 0; i < record.hits; i += BATCH)
             rtcIntersect1M(b->scene, &context, &record.hit[i],
-                           (unsigned)(record.hits - i < BATCH ? record.hits - i : BATCH), sizeof *record.hit);
+                           (unsigned)(record.hits - i < BATCH ? record.hits - i : BATCH),
+                           sizeof *record.hit);
         for (size_t i = 0; i < record.shadows; i += BATCH)
             rtcOccluded1M(b->scene, &context, &record.shadow[i],
-                          (unsigned)(record.shadows - i < BATCH ? record.shadows - i : BATCH), sizeof *record.shadow);
+                          (unsigned)(record.shadows - i < BATCH ? record.shadows - i : BATCH),
+                          sizeof *record.shadow);
     }
     return glint_thread_cpu() - start;
 }
@@ -221,8 +252,8 @@ static void fastest_call(struct bench *b)
         double least = INFINITY;
         for (int i = 0; i < 3; i++)
             least = fmin(least, run_pure(b));
-        printf("Embree call %-3s %7.1f ns per closest-hit ray, shadow rays included\n", call_name[call],
-               least * 1e9 / (double)record.hits);
+        printf("Embree call %-3s %7.1f ns per closest-hit ray, shadow rays included\n",
+               call_name[call], least * 1e9 / (double)record.hits);
         fastest = least < best ? call : fastest;
         best = fmin(best, least);
     }
@@ -231,7 +262,8 @@ static void fastest_call(struct bench *b)
 
 static glint_resident *scene_of(const struct bench *b, int argc, char **argv)
 {
-    return argc > 1 ? offline_load(&b->o, argv[1]) : offline_load_text(&b->o, bench_million_scene());
+    return argc > 1 ? offline_load(&b->o, argv[1])
+                    : offline_load_text(&b->o, bench_million_scene());
 }
 
 static void print_passes(const glint_render *render)
@@ -251,9 +283,10 @@ int main(int argc, char **argv)
     const struct glint_geometry *geometry;
     offline_start(&b.o, 1);
     glint_resident *scene = scene_of(&b, argc, argv);
-    struct glint_job *job = offline_job("{\"scene\":\"s\",\"resolution\":[256,256],\"outputs\":[\"beauty\",\"crypto_object\"]}");
-    if (glint_render_create(&b.render, b.o.devices, scene, job, &err)
-        || glint_resident_geometry(scene, false, &geometry, &err))
+    struct glint_job *job = offline_job(
+        "{\"scene\":\"s\",\"resolution\":[256,256],\"outputs\":[\"beauty\",\"crypto_object\"]}");
+    if (glint_render_create(&b.render, b.o.devices, scene, job, &err) ||
+        glint_resident_geometry(scene, false, &geometry, &err))
         offline_die("render", &err);
     b.worker = glint_devices_worker(b.o.devices, 0);
     b.scene = glint_geometry_native(geometry);
@@ -261,16 +294,18 @@ int main(int argc, char **argv)
     take_slices(&b);
     run_ours(&b);
     record_rays(&b);
-    printf("%zu closest-hit and %zu shadow rays of %d waves\n", record.hits, record.shadows, SLICES);
+    printf("%zu closest-hit and %zu shadow rays of %d waves\n", record.hits, record.shadows,
+           SLICES);
     fastest_call(&b);
     double ours[PAIRS], pure[PAIRS];
     bench_pairs(run_ours, run_pure, &b, ours, pure, PAIRS);
     const struct bench_ratio r = bench_ratio_of(ours, pure, PAIRS);
     print_passes(b.render);
-    printf("{\"bench\":\"embree-share\",\"ratio\":%.4f,\"low\":%.4f,\"high\":%.4f,\"pairs\":%d,\"call\":\"%s\","
+    printf("{\"bench\":\"embree-share\",\"ratio\":%.4f,\"low\":%.4f,\"high\":%.4f,\"pairs\":%d,"
+           "\"call\":\"%s\","
            "\"ns_per_vertex\":%.1f,\"limit\":%.2f,\"pass\":%s}\n",
-           r.median, r.low, r.high, PAIRS, call_name[b.call], ours[0] * 1e9 / (double)record.hits, LIMIT,
-           r.median >= LIMIT ? "true" : "false");
+           r.median, r.low, r.high, PAIRS, call_name[b.call], ours[0] * 1e9 / (double)record.hits,
+           LIMIT, r.median >= LIMIT ? "true" : "false");
     glint_render_destroy(&b.render);
     glint_job_destroy(&job);
     glint_resident_release(&scene);

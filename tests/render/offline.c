@@ -38,18 +38,19 @@ static void free_import(void *import)
     glint_import_destroy(&owned);
 }
 
-static glint_resident *load_bytes(const struct offline *o, enum glint_scene_type type, const char *name,
-                                  const uint8_t *bytes, size_t size)
+static glint_resident *load_bytes(const struct offline *o, enum glint_scene_type type,
+                                  const char *name, const uint8_t *bytes, size_t size)
 {
     struct glint_error err = {0};
     struct glint_import *import = NULL;
     struct glint_scene *scene = NULL;
     glint_resident *resident = NULL;
     const struct glint_import_limits limits = {(size_t)8 << 30, 60.0};
-    if (glint_import_run(o->importer, type, bytes, size, &limits, &import, &err)
-        || glint_scene_parse(&scene, import->text, import->length, import->asset, import->assets, &err)
-        || glint_scene_complete(scene, &err)
-        || glint_resident_create(&resident, o->devices, scene, free_import, import, &err))
+    if (glint_import_run(o->importer, type, bytes, size, &limits, &import, &err) ||
+        glint_scene_parse(&scene, import->text, import->length, import->asset, import->assets,
+                          &err) ||
+        glint_scene_complete(scene, &err) ||
+        glint_resident_create(&resident, o->devices, scene, free_import, import, &err))
         offline_die(name, &err);
     for (size_t i = 0; i < import->warnings; i++)
         fprintf(stderr, "# warning: %s\n", import->warning[i]);
@@ -62,7 +63,8 @@ glint_resident *offline_load(const struct offline *o, const char *path)
     const bool glb = length > 4 && strcmp(path + length - 4, ".glb") == 0;
     size_t size;
     uint8_t *bytes = offline_read_file(path, &size);
-    glint_resident *resident = load_bytes(o, glb ? GLINT_SCENE_GLB : GLINT_SCENE_NATIVE, path, bytes, size);
+    glint_resident *resident =
+        load_bytes(o, glb ? GLINT_SCENE_GLB : GLINT_SCENE_NATIVE, path, bytes, size);
     free(bytes);
     return resident;
 }
@@ -84,7 +86,8 @@ struct glint_job *offline_job(const char *text)
 void offline_start(struct offline *o, uint32_t threads)
 {
     struct glint_error err = {0};
-    if (glint_importer_create(&o->importer, &err) || glint_devices_create(&o->devices, threads, NULL, &err))
+    if (glint_importer_create(&o->importer, &err) ||
+        glint_devices_create(&o->devices, threads, NULL, &err))
         offline_die("start", &err);
 }
 
@@ -150,7 +153,8 @@ void offline_render(const struct offline *o, glint_render *render)
         pthread_join(thread[i], NULL);
 }
 
-struct glint_frame *offline_frame(const struct offline *o, glint_resident *scene, const char *text, uint64_t force)
+struct glint_frame *offline_frame(const struct offline *o, glint_resident *scene, const char *text,
+                                  uint64_t force)
 {
     struct glint_error err = {0};
     struct glint_job *job = offline_job(text);

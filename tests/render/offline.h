@@ -30,6 +30,7 @@ struct glint_job *offline_job(const char *text);
 void offline_render(const struct offline *o, glint_render *render);
 
 // The frame of a text scene and job, rendered with effects forced on.
-struct glint_frame *offline_frame(const struct offline *o, glint_resident *scene, const char *job, uint64_t force);
+struct glint_frame *offline_frame(const struct offline *o, glint_resident *scene, const char *job,
+                                  uint64_t force);
 
 #endif

@@ -31,10 +31,12 @@ static void print_stats(const glint_render *render, const glint_resident *scene,
     cJSON_AddNumberToObject(plan, "shadow_rays", (double)s.shadow_rays);
     cJSON_AddNumberToObject(plan, "error", isnan(s.error) ? 0.0 : s.error);
     cJSON_AddNumberToObject(plan, "samples", s.samples);
-    cJSON_AddNumberToObject(plan, "ns_per_vertex", s.worker_seconds * 1e9 / (double)(s.camera_rays + s.bounce_rays));
+    cJSON_AddNumberToObject(plan, "ns_per_vertex",
+                            s.worker_seconds * 1e9 / (double)(s.camera_rays + s.bounce_rays));
     cJSON_AddNumberToObject(plan, "triangles", (double)stats.instanced_triangles);
-    cJSON_AddNumberToObject(plan, "load_seconds", stats.geometry_seconds + stats.bvh_seconds + stats.texture_seconds
-                                                      + stats.light_seconds);
+    cJSON_AddNumberToObject(plan, "load_seconds",
+                            stats.geometry_seconds + stats.bvh_seconds + stats.texture_seconds +
+                                stats.light_seconds);
     char *text = cJSON_Print(plan);
     puts(text);
     free(text);
@@ -48,8 +50,8 @@ static void write_frame(glint_render *render, const struct glint_job *job, const
     const struct glint_exr_options options = {.compression = GLINT_EXR_ZIP};
     uint8_t *bytes;
     size_t size;
-    if (glint_render_frame(render, job->outputs, &frame, NULL, &err)
-        || glint_exr_write(frame, &options, &bytes, &size, NULL, &err))
+    if (glint_render_frame(render, job->outputs, &frame, NULL, &err) ||
+        glint_exr_write(frame, &options, &bytes, &size, NULL, &err))
         offline_die(path, &err);
     FILE *f = fopen(path, "wb");
     if (!f || fwrite(bytes, 1, size, f) != size || fclose(f)) {
@@ -63,7 +65,9 @@ static void write_frame(glint_render *render, const struct glint_job *job, const
 static void parse_options(int argc, char **argv, struct options *o)
 {
     if (argc < 4) {
-        fprintf(stderr, "usage: render_file SCENE JOB.json OUT.exr [--threads N] [--force EFFECT] [--stats]\n");
+        fprintf(
+            stderr,
+            "usage: render_file SCENE JOB.json OUT.exr [--threads N] [--force EFFECT] [--stats]\n");
         exit(64);
     }
     *o = (struct options){argv[1], argv[2], argv[3], 0, 0, false};
@@ -73,7 +77,9 @@ static void parse_options(int argc, char **argv, struct options *o)
         else if (strcmp(argv[i], "--threads") == 0 && i + 1 < argc)
             o->threads = (uint32_t)atoi(argv[++i]);
         else if (strcmp(argv[i], "--force") == 0 && i + 1 < argc)
-            o->force |= strcmp(argv[i + 1], "all") == 0 ? (1ull << glint_effect_count) - 1 : glint_effect_bit(argv[i + 1]), i++;
+            o->force |= strcmp(argv[i + 1], "all") == 0 ? (1ull << glint_effect_count) - 1
+                                                        : glint_effect_bit(argv[i + 1]),
+                i++;
     }
 }
 

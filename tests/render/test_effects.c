@@ -17,10 +17,13 @@ static struct offline o;
 static const char plain_scene[] =
     "{\"materials\":{\"grey\":{\"base_color\":[0.5,0.4,0.3],\"ior\":1},"
     "\"lamp\":{\"base_color\":[0,0,0],\"ior\":1,\"emission\":[8,8,8]}},"
-    "\"meshes\":{\"box\":{\"primitive\":\"box\"},\"ball\":{\"primitive\":\"sphere\",\"segments\":24},"
+    "\"meshes\":{\"box\":{\"primitive\":\"box\"},\"ball\":{\"primitive\":\"sphere\",\"segments\":"
+    "24},"
     "\"quad\":{\"primitive\":\"quad\"}},"
-    "\"instances\":{\"room\":{\"mesh\":\"box\",\"material\":\"grey\",\"transform\":{\"scale\":[6,6,6]}},"
-    "\"ball\":{\"mesh\":\"ball\",\"material\":\"grey\",\"transform\":{\"translation\":[0.3,-1,0.2]}},"
+    "\"instances\":{\"room\":{\"mesh\":\"box\",\"material\":\"grey\",\"transform\":{\"scale\":[6,6,"
+    "6]}},"
+    "\"ball\":{\"mesh\":\"ball\",\"material\":\"grey\",\"transform\":{\"translation\":[0.3,-1,0.2]}"
+    "},"
     "\"lamp\":{\"mesh\":\"quad\",\"material\":\"lamp\",\"transform\":{\"translation\":[0,2.9,0],"
     "\"rotation\":[0.70710678,0,0,0.70710678]}}},"
     "\"cameras\":{\"eye\":{\"yfov\":0.9,\"transform\":{\"translation\":[0,0,2.9]}}}}";
@@ -33,7 +36,8 @@ static void assert_same_planes(const struct glint_frame *a, const struct glint_f
 {
     assert_int_equal(a->channels, b->channels);
     for (uint32_t c = 0; c < a->channels; c++)
-        assert_memory_equal(a->channel[c].plane, b->channel[c].plane, (size_t)a->width * a->height * 4);
+        assert_memory_equal(a->channel[c].plane, b->channel[c].plane,
+                            (size_t)a->width * a->height * 4);
 }
 
 // The float64 film and the uniform light choice are settings of a dial, whose twin is another image.
@@ -64,7 +68,8 @@ static void automatic_plan_is_the_smallest(void **state)
     (void)state;
     glint_resident *scene = offline_load_text(&o, plain_scene);
     struct glint_job *job = offline_job(plain_job);
-    const struct glint_effect_input in = {glint_resident_facts(scene), job, &glint_resident_scene(scene)->camera[0]};
+    const struct glint_effect_input in = {glint_resident_facts(scene), job,
+                                          &glint_resident_scene(scene)->camera[0]};
     struct glint_plan plan;
     glint_plan_make(&plan, &in, 0);
     assert_string_equal(plan.options, "-DGK_EMISSION -DGK_LIGHT_TABLE -DGK_LIGHTS");
@@ -97,7 +102,8 @@ static uint64_t called_by(const char *scene_text, const char *job_text)
 {
     glint_resident *scene = offline_load_text(&o, scene_text);
     struct glint_job *job = offline_job(job_text);
-    const struct glint_effect_input in = {glint_resident_facts(scene), job, &glint_resident_scene(scene)->camera[0]};
+    const struct glint_effect_input in = {glint_resident_facts(scene), job,
+                                          &glint_resident_scene(scene)->camera[0]};
     const uint64_t called = glint_effects_called(&in);
     glint_job_destroy(&job);
     glint_resident_release(&scene);
@@ -109,14 +115,19 @@ static void each_cause_calls_for_its_own_row(void **state)
     (void)state;
     static const struct cause cause[] = {
         {"microfacet", "0.3],\"ior\":1}", "0.3],\"ior\":1.5}", NULL, NULL},
-        {"depth of field", "\"yfov\":0.9", "\"yfov\":0.9,\"lens_radius\":0.1,\"focus_distance\":3", NULL, NULL},
-        {"constant environment", "{\"materials\"", "{\"environment\":{\"radiance\":[1,1,1]},\"materials\"", NULL, NULL},
-        {"alpha cut-outs", "0.3],\"ior\":1}", "0.3],\"ior\":1,\"alpha_mode\":\"mask\"}", NULL, NULL},
+        {"depth of field", "\"yfov\":0.9", "\"yfov\":0.9,\"lens_radius\":0.1,\"focus_distance\":3",
+         NULL, NULL},
+        {"constant environment", "{\"materials\"",
+         "{\"environment\":{\"radiance\":[1,1,1]},\"materials\"", NULL, NULL},
+        {"alpha cut-outs", "0.3],\"ior\":1}", "0.3],\"ior\":1,\"alpha_mode\":\"mask\"}", NULL,
+         NULL},
         {"ID coverage", NULL, NULL, "[\"beauty\"]", "[\"beauty\",\"crypto_object\"]"},
         {"first-hit AOVs", NULL, NULL, "[\"beauty\"]", "[\"beauty\",\"depth\"]"},
         {"Blackman-Harris filter", NULL, NULL, "\"box\"", "\"blackman_harris\""},
-        {"float64 film", NULL, NULL, "\"max_bounces\"", "\"accuracy\":{\"precision\":\"float64\"},\"max_bounces\""},
-        {"uniform light choice", NULL, NULL, "\"max_bounces\"", "\"accuracy\":{\"lights\":\"uniform\"},\"max_bounces\""},
+        {"float64 film", NULL, NULL, "\"max_bounces\"",
+         "\"accuracy\":{\"precision\":\"float64\"},\"max_bounces\""},
+        {"uniform light choice", NULL, NULL, "\"max_bounces\"",
+         "\"accuracy\":{\"lights\":\"uniform\"},\"max_bounces\""},
     };
     const uint64_t plain = called_by(plain_scene, plain_job);
     for (size_t i = 0; i < sizeof cause / sizeof *cause; i++) {
@@ -135,7 +146,8 @@ static void the_image_does_not_depend_on_mattes_or_aovs(void **state)
     (void)state;
     glint_resident *scene = offline_load_text(&o, plain_scene);
     struct glint_frame *plain = offline_frame(&o, scene, plain_job, 0);
-    char *job = replaced(plain_job, "[\"beauty\"]", "[\"beauty\",\"crypto_object\",\"crypto_material\",\"depth\",\"normal\"]");
+    char *job = replaced(plain_job, "[\"beauty\"]",
+                         "[\"beauty\",\"crypto_object\",\"crypto_material\",\"depth\",\"normal\"]");
     struct glint_frame *full = offline_frame(&o, scene, job, 0);
     for (int c = 0; c < 4; c++) {
         const char name[2] = {"RGBA"[c], 0};

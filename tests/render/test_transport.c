@@ -45,17 +45,20 @@ static double most_of(const struct glint_frame *f, const char *channel)
     return most;
 }
 
-#define CAMERA(z) "\"cameras\":{\"eye\":{\"yfov\":0.8,\"transform\":{\"translation\":[0,0," #z "]}}}"
+#define CAMERA(z) \
+    "\"cameras\":{\"eye\":{\"yfov\":0.8,\"transform\":{\"translation\":[0,0," #z "]}}}"
 
 // Inside a closed sphere with albedo 1/2 that emits 1/2 everywhere, radiance is 1/2 + 1/4 + ... = 1.
 static void closed_emitting_sphere_shows_radiance_one(void **state)
 {
     (void)state;
-    struct glint_frame *f = render_text(
-        "{\"materials\":{\"m\":{\"base_color\":[0.5,0.5,0.5],\"ior\":1,\"emission\":[0.5,0.5,0.5]}},"
-        "\"meshes\":{\"s\":{\"primitive\":\"sphere\",\"radius\":2,\"segments\":32}},"
-        "\"instances\":{\"s\":{\"mesh\":\"s\",\"material\":\"m\"}}," CAMERA(0.5) "}",
-        "{\"scene\":\"s\",\"resolution\":[32,32],\"outputs\":[\"beauty\"],\"max_bounces\":64,\"stop\":{\"samples\":256}}");
+    struct glint_frame *f =
+        render_text("{\"materials\":{\"m\":{\"base_color\":[0.5,0.5,0.5],\"ior\":1,\"emission\":[0."
+                    "5,0.5,0.5]}},"
+                    "\"meshes\":{\"s\":{\"primitive\":\"sphere\",\"radius\":2,\"segments\":32}},"
+                    "\"instances\":{\"s\":{\"mesh\":\"s\",\"material\":\"m\"}}," CAMERA(0.5) "}",
+                    "{\"scene\":\"s\",\"resolution\":[32,32],\"outputs\":[\"beauty\"],\"max_"
+                    "bounces\":64,\"stop\":{\"samples\":256}}");
     // A sample's standard deviation is below 1/2: 4.9 x 0.5 / sqrt(262144) = 0.005.
     assert_float_equal(mean_of(f, "G"), 1.0, 0.005);
     glint_frame_destroy(&f);
@@ -66,12 +69,12 @@ static void white_object_vanishes_in_a_white_environment(void **state)
 {
     (void)state;
     static const char *const material[] = {
-        "\"base_color\":[1,1,1],\"ior\":1",                                     // Lambert
-        "\"base_color\":[1,1,1],\"metallic\":1,\"roughness\":0",                // mirror
-        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0",            // clear glass
+        "\"base_color\":[1,1,1],\"ior\":1",                          // Lambert
+        "\"base_color\":[1,1,1],\"metallic\":1,\"roughness\":0",     // mirror
+        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0", // clear glass
         "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0,\"thin\":true",
-        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0,\"ior\":1",  // nothing at all
-        "\"base_color\":[1,1,1],\"roughness\":0",                               // polished paint
+        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0,\"ior\":1", // nothing at all
+        "\"base_color\":[1,1,1],\"roughness\":0",                              // polished paint
     };
     for (size_t i = 0; i < sizeof material / sizeof *material; i++) {
         char scene[1024];
@@ -80,8 +83,9 @@ static void white_object_vanishes_in_a_white_environment(void **state)
                  "\"meshes\":{\"s\":{\"primitive\":\"sphere\",\"segments\":48}},"
                  "\"instances\":{\"s\":{\"mesh\":\"s\",\"material\":\"m\"}}," CAMERA(4) "}",
                  material[i]);
-        struct glint_frame *f = render_text(scene, "{\"scene\":\"s\",\"resolution\":[32,32],\"outputs\":[\"beauty\"],"
-                                                   "\"max_bounces\":256,\"stop\":{\"samples\":256}}");
+        struct glint_frame *f =
+            render_text(scene, "{\"scene\":\"s\",\"resolution\":[32,32],\"outputs\":[\"beauty\"],"
+                               "\"max_bounces\":256,\"stop\":{\"samples\":256}}");
         print_message("# %s: %.5f\n", material[i], mean_of(f, "G"));
         // Bent rays cross facets whose shading and true normals differ: what they lose stays small.
         assert_float_equal(mean_of(f, "G"), 1.0, 0.004);
@@ -96,15 +100,19 @@ static void rough_surfaces_never_gain_energy(void **state)
     for (int r = 1; r <= 10; r += 3) {
         char scene[1024];
         snprintf(scene, sizeof scene,
-                 "{\"environment\":{\"radiance\":[1,1,1]},\"materials\":{\"metal\":{\"metallic\":1,\"roughness\":%g},"
+                 "{\"environment\":{\"radiance\":[1,1,1]},\"materials\":{\"metal\":{\"metallic\":1,"
+                 "\"roughness\":%g},"
                  "\"glass\":{\"transmission\":1,\"roughness\":%g},\"paint\":{\"roughness\":%g}},"
                  "\"meshes\":{\"s\":{\"primitive\":\"sphere\",\"segments\":48}},\"instances\":{"
-                 "\"a\":{\"mesh\":\"s\",\"material\":\"metal\",\"transform\":{\"translation\":[-2.2,0,0]}},"
+                 "\"a\":{\"mesh\":\"s\",\"material\":\"metal\",\"transform\":{\"translation\":[-2."
+                 "2,0,0]}},"
                  "\"b\":{\"mesh\":\"s\",\"material\":\"glass\"},"
-                 "\"c\":{\"mesh\":\"s\",\"material\":\"paint\",\"transform\":{\"translation\":[2.2,0,0]}}}," CAMERA(8) "}",
+                 "\"c\":{\"mesh\":\"s\",\"material\":\"paint\",\"transform\":{\"translation\":[2.2,"
+                 "0,0]}}}," CAMERA(8) "}",
                  r / 10.0, r / 10.0, r / 10.0);
-        struct glint_frame *f = render_text(scene, "{\"scene\":\"s\",\"resolution\":[48,24],\"outputs\":[\"beauty\"],"
-                                                   "\"max_bounces\":256,\"stop\":{\"samples\":256}}");
+        struct glint_frame *f =
+            render_text(scene, "{\"scene\":\"s\",\"resolution\":[48,24],\"outputs\":[\"beauty\"],"
+                               "\"max_bounces\":256,\"stop\":{\"samples\":256}}");
         assert_true(mean_of(f, "G") <= 1.002);
         assert_true(mean_of(f, "G") > 0.8);
         glint_frame_destroy(&f);
@@ -119,18 +127,25 @@ static void closed_room_lets_no_light_in(void **state)
     static const double place[] = {0.0, 1e3, 1e5, 1e6};
     for (size_t i = 0; i < sizeof place / sizeof *place; i++) {
         char scene[1200];
-        snprintf(scene, sizeof scene,
-                 "{\"environment\":{\"radiance\":[1e6,1e6,1e6]},\"materials\":{\"m\":{\"base_color\":[0.8,0.8,0.8]}},"
-                 "\"lights\":{\"sun\":{\"type\":\"sun\",\"intensity\":1e6},"
-                 "\"far\":{\"type\":\"point\",\"intensity\":1e9,\"transform\":{\"translation\":[%.17g,9,0]}}},"
-                 "\"meshes\":{\"box\":{\"primitive\":\"box\",\"size\":[4,3,5]},\"ball\":{\"primitive\":\"sphere\",\"segments\":32}},"
-                 "\"instances\":{\"room\":{\"mesh\":\"box\",\"material\":\"m\",\"transform\":{\"translation\":[%.17g,0,0],"
-                 "\"rotation\":[0.1830127,0.1830127,0.6830127,0.6830127]}},"
-                 "\"ball\":{\"mesh\":\"ball\",\"material\":\"m\",\"transform\":{\"translation\":[%.17g,0,-0.5]}}},"
-                 "\"cameras\":{\"eye\":{\"yfov\":1.2,\"transform\":{\"translation\":[%.17g,0,1.2]}}}}",
-                 place[i], place[i], place[i], place[i]);
-        struct glint_frame *f = render_text(scene, "{\"scene\":\"s\",\"resolution\":[128,128],\"outputs\":[\"beauty\"],"
-                                                   "\"max_bounces\":4,\"stop\":{\"samples\":64}}");
+        snprintf(
+            scene, sizeof scene,
+            "{\"environment\":{\"radiance\":[1e6,1e6,1e6]},\"materials\":{\"m\":{\"base_color\":[0."
+            "8,0.8,0.8]}},"
+            "\"lights\":{\"sun\":{\"type\":\"sun\",\"intensity\":1e6},"
+            "\"far\":{\"type\":\"point\",\"intensity\":1e9,\"transform\":{\"translation\":[%.17g,9,"
+            "0]}}},"
+            "\"meshes\":{\"box\":{\"primitive\":\"box\",\"size\":[4,3,5]},\"ball\":{\"primitive\":"
+            "\"sphere\",\"segments\":32}},"
+            "\"instances\":{\"room\":{\"mesh\":\"box\",\"material\":\"m\",\"transform\":{"
+            "\"translation\":[%.17g,0,0],"
+            "\"rotation\":[0.1830127,0.1830127,0.6830127,0.6830127]}},"
+            "\"ball\":{\"mesh\":\"ball\",\"material\":\"m\",\"transform\":{\"translation\":[%.17g,"
+            "0,-0.5]}}},"
+            "\"cameras\":{\"eye\":{\"yfov\":1.2,\"transform\":{\"translation\":[%.17g,0,1.2]}}}}",
+            place[i], place[i], place[i], place[i]);
+        struct glint_frame *f =
+            render_text(scene, "{\"scene\":\"s\",\"resolution\":[128,128],\"outputs\":[\"beauty\"],"
+                               "\"max_bounces\":4,\"stop\":{\"samples\":64}}");
         assert_float_equal(most_of(f, "G"), 0.0, 0.0);
         glint_frame_destroy(&f);
     }
@@ -141,21 +156,30 @@ static void mixed_scene(char *text, size_t bytes, double length, double light)
 {
     snprintf(text, bytes,
              "{\"materials\":{\"floor\":{\"base_color\":[0.6,0.5,0.4],\"roughness\":0.6},"
-             "\"gold\":{\"base_color\":[1,0.8,0.3],\"metallic\":1,\"roughness\":0.3},\"glass\":{\"transmission\":1,\"roughness\":0.1},"
+             "\"gold\":{\"base_color\":[1,0.8,0.3],\"metallic\":1,\"roughness\":0.3},\"glass\":{"
+             "\"transmission\":1,\"roughness\":0.1},"
              "\"lamp\":{\"base_color\":[0,0,0],\"emission\":[%.9g,%.9g,%.9g]}},"
-             "\"meshes\":{\"q\":{\"primitive\":\"quad\",\"size\":[%.9g,%.9g]},\"s\":{\"primitive\":\"sphere\",\"radius\":%.9g,\"segments\":32}},"
-             "\"lights\":{\"p\":{\"type\":\"point\",\"intensity\":%.9g,\"transform\":{\"translation\":[0,%.9g,%.9g]}}},"
-             "\"instances\":{\"floor\":{\"mesh\":\"q\",\"material\":\"floor\",\"transform\":{\"translation\":[0,%.9g,0],\"rotation\":[-0.70710678,0,0,0.70710678]}},"
-             "\"gold\":{\"mesh\":\"s\",\"material\":\"gold\",\"transform\":{\"translation\":[%.9g,0,0]}},"
-             "\"glass\":{\"mesh\":\"s\",\"material\":\"glass\",\"transform\":{\"translation\":[%.9g,0,%.9g]}},"
-             "\"lamp\":{\"mesh\":\"q\",\"material\":\"lamp\",\"transform\":{\"translation\":[0,%.9g,0],\"rotation\":[0.70710678,0,0,0.70710678]}}},"
+             "\"meshes\":{\"q\":{\"primitive\":\"quad\",\"size\":[%.9g,%.9g]},\"s\":{\"primitive\":"
+             "\"sphere\",\"radius\":%.9g,\"segments\":32}},"
+             "\"lights\":{\"p\":{\"type\":\"point\",\"intensity\":%.9g,\"transform\":{"
+             "\"translation\":[0,%.9g,%.9g]}}},"
+             "\"instances\":{\"floor\":{\"mesh\":\"q\",\"material\":\"floor\",\"transform\":{"
+             "\"translation\":[0,%.9g,0],\"rotation\":[-0.70710678,0,0,0.70710678]}},"
+             "\"gold\":{\"mesh\":\"s\",\"material\":\"gold\",\"transform\":{\"translation\":[%.9g,"
+             "0,0]}},"
+             "\"glass\":{\"mesh\":\"s\",\"material\":\"glass\",\"transform\":{\"translation\":[%."
+             "9g,0,%.9g]}},"
+             "\"lamp\":{\"mesh\":\"q\",\"material\":\"lamp\",\"transform\":{\"translation\":[0,%."
+             "9g,0],\"rotation\":[0.70710678,0,0,0.70710678]}}},"
              "\"cameras\":{\"eye\":{\"yfov\":0.7,\"transform\":{\"translation\":[0,0,%.9g]}}}}",
-             4 * light, 3 * light, 2 * light, 8 * length, 8 * length, length, 5 * light, 3 * length, 2 * length, -length,
-             -1.25 * length, 1.25 * length, 0.5 * length, 6 * length, 8 * length);
+             4 * light, 3 * light, 2 * light, 8 * length, 8 * length, length, 5 * light, 3 * length,
+             2 * length, -length, -1.25 * length, 1.25 * length, 0.5 * length, 6 * length,
+             8 * length);
 }
 
-#define MIXED_JOB                                                                                                      \
-    "{\"scene\":\"s\",\"resolution\":[80,56],\"outputs\":[\"beauty\",\"crypto_object\",\"crypto_material\","            \
+#define MIXED_JOB                                                                                 \
+    "{\"scene\":\"s\",\"resolution\":[80,56],\"outputs\":[\"beauty\",\"crypto_object\",\"crypto_" \
+    "material\","                                                                                 \
     "\"depth\",\"normal\",\"albedo\",\"samples\",\"variance\"],\"stop\":{\"samples\":24}}"
 
 static void same_bits_for_one_two_and_three_workers(void **state)
@@ -174,7 +198,8 @@ static void same_bits_for_one_two_and_three_workers(void **state)
     }
     for (uint32_t c = 0; c < frame[0]->channels; c++)
         for (int n = 1; n < 3; n++)
-            assert_memory_equal(frame[0]->channel[c].plane, frame[n]->channel[c].plane, pixels(frame[0]) * 4);
+            assert_memory_equal(frame[0]->channel[c].plane, frame[n]->channel[c].plane,
+                                pixels(frame[0]) * 4);
     for (int n = 0; n < 3; n++)
         glint_frame_destroy(&frame[n]);
 }
@@ -185,14 +210,17 @@ static void region_has_the_pixels_of_the_whole_frame(void **state)
     char scene[4096];
     mixed_scene(scene, sizeof scene, 1.0, 1.0);
     struct glint_frame *whole = render_text(scene, MIXED_JOB);
-    struct glint_frame *part = render_text(
-        scene, "{\"scene\":\"s\",\"resolution\":[80,56],\"region\":[13,9,37,29],\"outputs\":[\"beauty\",\"crypto_object\"],"
-               "\"stop\":{\"samples\":24}}");
+    struct glint_frame *part =
+        render_text(scene, "{\"scene\":\"s\",\"resolution\":[80,56],\"region\":[13,9,37,29],"
+                           "\"outputs\":[\"beauty\",\"crypto_object\"],"
+                           "\"stop\":{\"samples\":24}}");
     const char *const name[] = {"R", "A", "CryptoObject00.R", "CryptoObject00.G"};
     for (int c = 0; c < 4; c++)
         for (uint32_t y = 0; y < part->height; y++)
             assert_memory_equal(glint_frame_find(part, name[c]) + (size_t)y * part->width,
-                                glint_frame_find(whole, name[c]) + (size_t)(y + 9) * whole->width + 13, part->width * 4);
+                                glint_frame_find(whole, name[c]) + (size_t)(y + 9) * whole->width +
+                                    13,
+                                part->width * 4);
     glint_frame_destroy(&whole);
     glint_frame_destroy(&part);
 }
@@ -222,8 +250,8 @@ static void scaling_the_scene_by_a_power_of_two_changes_no_picture(void **state)
         mixed_scene(scene, sizeof scene, scale[s], 1.0);
         char *point = strstr(scene, "\"intensity\":5"); // W/sr: the square of the length
         char fixed[4096];
-        snprintf(fixed, sizeof fixed, "%.*s\"intensity\":%.9g%s", (int)(point - scene), scene, 5 * scale[s] * scale[s],
-                 point + strlen("\"intensity\":5"));
+        snprintf(fixed, sizeof fixed, "%.*s\"intensity\":%.9g%s", (int)(point - scene), scene,
+                 5 * scale[s] * scale[s], point + strlen("\"intensity\":5"));
         struct glint_frame *scaled = render_text(fixed, MIXED_JOB);
         const float *p = glint_frame_find(unit, "G"), *q = glint_frame_find(scaled, "G");
         size_t equal = 0;
@@ -240,18 +268,20 @@ static void scaling_the_scene_by_a_power_of_two_changes_no_picture(void **state)
 static void dials_agree_in_the_mean(void **state)
 {
     (void)state;
-    static const char *const dial[] = {"\"roulette\":\"none\"", "\"lights\":\"uniform\"", "\"traversal\":\"robust\"",
-                                       "\"precision\":\"float64\""};
+    static const char *const dial[] = {"\"roulette\":\"none\"", "\"lights\":\"uniform\"",
+                                       "\"traversal\":\"robust\"", "\"precision\":\"float64\""};
     char scene[4096], job[512];
     mixed_scene(scene, sizeof scene, 1.0, 1.0);
-    const char *const format = "{\"scene\":\"s\",\"resolution\":[32,32],\"outputs\":[\"beauty\"],\"accuracy\":{%s},\"seed\":%d,"
+    const char *const format = "{\"scene\":\"s\",\"resolution\":[32,32],\"outputs\":[\"beauty\"],"
+                               "\"accuracy\":{%s},\"seed\":%d,"
                                "\"max_bounces\":6,\"stop\":{\"samples\":512}}";
     snprintf(job, sizeof job, format, "", 1);
     struct glint_frame *base = render_text(scene, job);
     for (size_t i = 0; i < sizeof dial / sizeof *dial; i++) {
         snprintf(job, sizeof job, format, dial[i], (int)i + 2);
         struct glint_frame *other = render_text(scene, job);
-        print_message("# %s: %.5f against %.5f\n", dial[i], mean_of(other, "G"), mean_of(base, "G"));
+        print_message("# %s: %.5f against %.5f\n", dial[i], mean_of(other, "G"),
+                      mean_of(base, "G"));
         assert_float_equal(mean_of(other, "G") / mean_of(base, "G"), 1.0, 0.01);
         glint_frame_destroy(&other);
     }
@@ -266,20 +296,25 @@ static void own_error_estimate_is_the_true_error(void **state)
     const char *const scene =
         "{\"materials\":{\"grey\":{\"base_color\":[0.6,0.5,0.4],\"ior\":1},"
         "\"lamp\":{\"base_color\":[0,0,0],\"ior\":1,\"emission\":[6,5,4]}},"
-        "\"meshes\":{\"q\":{\"primitive\":\"quad\",\"size\":[6,6]},\"s\":{\"primitive\":\"sphere\"},"
+        "\"meshes\":{\"q\":{\"primitive\":\"quad\",\"size\":[6,6]},\"s\":{\"primitive\":\"sphere\"}"
+        ","
         "\"l\":{\"primitive\":\"quad\",\"size\":[2,2]}},"
-        "\"instances\":{\"floor\":{\"mesh\":\"q\",\"material\":\"grey\",\"transform\":{\"translation\":[0,-1,0],\"rotation\":[-0.70710678,0,0,0.70710678]}},"
+        "\"instances\":{\"floor\":{\"mesh\":\"q\",\"material\":\"grey\",\"transform\":{"
+        "\"translation\":[0,-1,0],\"rotation\":[-0.70710678,0,0,0.70710678]}},"
         "\"back\":{\"mesh\":\"q\",\"material\":\"grey\",\"transform\":{\"translation\":[0,0,-2]}},"
         "\"ball\":{\"mesh\":\"s\",\"material\":\"grey\"},"
-        "\"lamp\":{\"mesh\":\"l\",\"material\":\"lamp\",\"transform\":{\"translation\":[1.5,3,1],\"rotation\":[0.70710678,0,0,0.70710678]}}}," CAMERA(5) "}";
-    const char *const format = "{\"scene\":\"s\",\"resolution\":[64,64],\"outputs\":[\"beauty\",\"variance\"],\"seed\":%d,\"stop\":{\"samples\":%d}}";
+        "\"lamp\":{\"mesh\":\"l\",\"material\":\"lamp\",\"transform\":{\"translation\":[1.5,3,1],"
+        "\"rotation\":[0.70710678,0,0,0.70710678]}}}," CAMERA(5) "}";
+    const char *const format = "{\"scene\":\"s\",\"resolution\":[64,64],\"outputs\":[\"beauty\","
+                               "\"variance\"],\"seed\":%d,\"stop\":{\"samples\":%d}}";
     char job[256];
     snprintf(job, sizeof job, format, 1, 32);
     struct glint_frame *f = render_text(scene, job);
     snprintf(job, sizeof job, format, 2, 4096);
     struct glint_frame *reference = render_text(scene, job);
     double estimate = 0.0, truth = 0.0;
-    const char *const colour[] = {"R", "G", "B"}, *const variance[] = {"variance.R", "variance.G", "variance.B"};
+    const char *const colour[] = {"R", "G", "B"}, *const variance[] = {"variance.R", "variance.G",
+                                                                       "variance.B"};
     for (int c = 0; c < 3; c++) {
         const float *x = glint_frame_find(f, colour[c]), *v = glint_frame_find(f, variance[c]);
         const float *r = glint_frame_find(reference, colour[c]);
