@@ -25,6 +25,7 @@ UNIT_TESTS = \
 	tests/unit/test_device \
 	tests/unit/test_dials \
 	tests/unit/test_exr \
+	tests/unit/test_film \
 	tests/unit/test_frame \
 	tests/unit/test_http \
 	tests/unit/test_image_decode \
@@ -54,6 +55,7 @@ offline = tests/render/offline.c tests/render/offline.h
 things = tests/render/picture.c tests/render/picture.h tests/render/things.c tests/render/things.h
 tests_render_render_file_SOURCES = tests/render/render_file.c $(offline)
 tests_render_test_transport_SOURCES = tests/render/test_transport.c $(offline)
+tests_unit_test_film_SOURCES = tests/unit/test_film.c $(offline)
 tests_render_test_effects_SOURCES = tests/render/test_effects.c $(offline)
 tests_render_test_matte_names_SOURCES = tests/render/test_matte_names.c $(offline) $(things)
 tests_render_test_mattes_SOURCES = tests/render/test_mattes.c $(offline) $(things)

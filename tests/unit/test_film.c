@@ -1,0 +1,213 @@
+// The film: tiles held by one, read by many, and numbers that come out as they went in.
+#include "kernels/gk_film.h"
+#include "render/estimate.h"
+#include "tests/render/offline.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct offline o;
+
+static glint_film *film_of(uint32_t width, uint32_t height, uint32_t outputs)
+{
+    struct glint_scene_facts facts = {0};
+    struct glint_job job = {.region = {0, 0, width, height}, .outputs = outputs, .matte_slots = 12};
+    const struct glint_camera camera = {0};
+    const struct glint_effect_input in = {&facts, &job, &camera};
+    struct glint_plan plan;
+    struct glint_error err = {0};
+    glint_film *film = NULL;
+    glint_plan_make(&plan, &in, 0);
+    assert_int_equal(glint_film_create(&film, o.devices, &plan, &job, &err), GLINT_OK);
+    return film;
+}
+
+static void tiles_cover_a_region_of_any_size(void **state)
+{
+    (void)state;
+    static const uint32_t size[][4] = {
+        {1, 1, 1, 1}, {16, 16, 1, 1}, {17, 16, 2, 1}, {1280, 720, 80, 45}};
+    for (size_t i = 0; i < sizeof size / sizeof *size; i++) {
+        glint_film *film = film_of(size[i][0], size[i][1], GLINT_OUT_BEAUTY);
+        assert_int_equal(glint_film_columns(film), size[i][2]);
+        assert_int_equal(glint_film_rows(film), size[i][3]);
+        glint_film_destroy(&film);
+    }
+}
+
+static void tiles_share_no_memory(void **state)
+{
+    (void)state;
+    glint_film *film =
+        film_of(64, 48, GLINT_OUT_BEAUTY | GLINT_OUT_CRYPTO_OBJECT | GLINT_OUT_DEPTH);
+    const uint32_t words = (GK_PLANES_BASE + GK_PLANES_AOV) * GK_TILE_PIXELS;
+    for (uint32_t t = 0; t < 12; t++) {
+        struct glint_film_tile at;
+        glint_film_tile(film, t, &at);
+        assert_int_equal(at.planes_offset, t * words);
+        assert_int_equal(at.tables_offset, t * 13 * GK_TILE_PIXELS);
+    }
+    glint_film_destroy(&film);
+}
+
+static void depth_starts_at_a_miss(void **state)
+{
+    (void)state;
+    glint_film *film = film_of(32, 16, GLINT_OUT_BEAUTY | GLINT_OUT_DEPTH);
+    for (uint32_t t = 0; t < 2; t++) {
+        struct glint_film_tile at;
+        glint_film_tile(film, t, &at);
+        const float *depth = (const float *)glint_buffer_host(at.planes) + at.planes_offset +
+                             (GK_PLANES_BASE + GK_AOV_DEPTH) * GK_TILE_PIXELS;
+        for (int i = 0; i < GK_TILE_PIXELS; i++)
+            assert_true(depth[i] == 1e30f);
+    }
+    glint_film_destroy(&film);
+}
+
+static void release_without_samples_changes_no_version(void **state)
+{
+    (void)state;
+    glint_film *film = film_of(48, 48, GLINT_OUT_BEAUTY);
+    glint_film_hold(film, 0, 0, 4, 4); // clipped to 3 x 3
+    glint_film_release(film, 0, 0, 4, 4, 0);
+    assert_int_equal(glint_film_version(film, 8), 0);
+    glint_film_hold(film, 1, 1, 2, 2);
+    glint_film_release(film, 1, 1, 2, 2, 16);
+    assert_int_equal(glint_film_version(film, 0), 0);
+    assert_int_equal(glint_film_samples(film, 0), 0);
+    assert_true(glint_film_version(film, 8) > 0);
+    assert_int_equal(glint_film_samples(film, 4), 16);
+    glint_film_destroy(&film);
+}
+
+struct race {
+    glint_film *film;
+    bool torn;
+};
+
+// Every word of a held tile is written twice; a reader must never see the first of the two.
+static void *write_tiles(void *user)
+{
+    struct race *race = user;
+    for (uint32_t round = 1; round <= 400; round++) {
+        struct glint_film_tile at;
+        glint_film_hold(race->film, 0, 0, 1, 1);
+        glint_film_tile(race->film, 0, &at);
+        float *planes = (float *)glint_buffer_host(at.planes) + at.planes_offset;
+        for (uint32_t i = 0; i < GK_TILE_PIXELS; i++)
+            planes[i] = -1.0f;
+        for (uint32_t i = 0; i < GK_TILE_PIXELS; i++)
+            planes[i] = (float)round;
+        glint_film_release(race->film, 0, 0, 1, 1, round);
+    }
+    return NULL;
+}
+
+static void *read_tiles(void *user)
+{
+    struct race *race = user;
+    uint32_t samples = 0;
+    while (samples < 400) {
+        struct glint_film_tile at;
+        samples = glint_film_read_begin(race->film, 0);
+        glint_film_tile(race->film, 0, &at);
+        const float *planes = (const float *)glint_buffer_host(at.planes) + at.planes_offset;
+        for (uint32_t i = 0; i < GK_TILE_PIXELS; i++)
+            race->torn |= planes[i] != (float)samples;
+        glint_film_read_end(race->film, 0);
+    }
+    return NULL;
+}
+
+static void readers_never_see_a_tile_half_written(void **state)
+{
+    (void)state;
+    struct race race = {film_of(16, 16, GLINT_OUT_BEAUTY), false};
+    pthread_t writer, reader;
+    pthread_create(&reader, NULL, read_tiles, &race);
+    pthread_create(&writer, NULL, write_tiles, &race);
+    pthread_join(writer, NULL);
+    pthread_join(reader, NULL);
+    assert_false(race.torn);
+    glint_film_destroy(&race.film);
+}
+
+static void halves_share_samples_evenly(void **state)
+{
+    (void)state;
+    for (uint32_t n = 0; n < 9; n++) {
+        assert_int_equal(glint_half_samples(n, 0) + glint_half_samples(n, 1), n);
+        assert_int_equal(glint_half_samples(n, 0) - glint_half_samples(n, 1), n % 2);
+    }
+}
+
+// A = 1 + d, B = 1 - d everywhere: v = d^2, m = 1, so each channel gives d^2 / 1.01.
+static void estimate_is_the_square_of_half_the_difference(void **state)
+{
+    (void)state;
+    glint_film *film = film_of(16, 16, GLINT_OUT_BEAUTY);
+    struct glint_film_tile at;
+    glint_film_tile(film, 0, &at);
+    float *planes = (float *)glint_buffer_host(at.planes) + at.planes_offset;
+    const uint32_t samples = 8;
+    for (uint32_t h = 0; h < 2; h++)
+        for (uint32_t c = 0; c < 3; c++)
+            for (uint32_t i = 0; i < GK_TILE_PIXELS; i++)
+                planes[(h * 6 + c * 2) * GK_TILE_PIXELS + i] = 4.0f * (h ? 0.75f : 1.25f);
+    const double sum = glint_estimate_tile(&at, false, samples, 10, 7);
+    assert_float_equal(sum, 10 * 7 * 3 * 0.0625 / 1.01, 1e-5);
+    glint_film_destroy(&film);
+}
+
+static void looks_come_in_whole_passes_and_ever_rarer(void **state)
+{
+    (void)state;
+    uint32_t last = 0, looks = 0;
+    for (uint32_t n = 1; n <= 4096; n++) {
+        if (!glint_estimate_checkpoint(n))
+            continue;
+        assert_int_equal(n % 16, 0);
+        assert_true(last == 0 || n <= last * 2);
+        last = n;
+        looks++;
+    }
+    assert_in_range(looks, 20, 40);
+    assert_true(glint_estimate_upper(0.1, 100) > glint_estimate_upper(0.1, 10000));
+}
+
+static int start(void **state)
+{
+    (void)state;
+    offline_start(&o, 1);
+    return 0;
+}
+
+static int finish(void **state)
+{
+    (void)state;
+    offline_finish(&o);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tiles_cover_a_region_of_any_size),
+        cmocka_unit_test(tiles_share_no_memory),
+        cmocka_unit_test(depth_starts_at_a_miss),
+        cmocka_unit_test(release_without_samples_changes_no_version),
+        cmocka_unit_test(readers_never_see_a_tile_half_written),
+        cmocka_unit_test(halves_share_samples_evenly),
+        cmocka_unit_test(estimate_is_the_square_of_half_the_difference),
+        cmocka_unit_test(looks_come_in_whole_passes_and_ever_rarer),
+    };
+    return cmocka_run_group_tests(tests, start, finish);
+}
