@@ -14,6 +14,7 @@ UNIT_TESTS = \
 	tests/kernel/test_math \
 	tests/kernel/test_matte \
 	tests/kernel/test_sampler \
+	tests/render/test_camera \
 	tests/render/test_effects \
 	tests/render/test_matte_names \
 	tests/render/test_mattes \
@@ -52,8 +53,10 @@ check_PROGRAMS += $(UNIT_TESTS)
 endif
 check_PROGRAMS += tests/render/render_file tests/render/write_frame tests/unit/import_dump
 offline = tests/render/offline.c tests/render/offline.h
-things = tests/render/picture.c tests/render/picture.h tests/render/things.c tests/render/things.h
+picture = tests/render/picture.c tests/render/picture.h
+things = tests/render/things.c tests/render/things.h $(picture)
 tests_render_render_file_SOURCES = tests/render/render_file.c $(offline)
+tests_render_test_camera_SOURCES = tests/render/test_camera.c $(offline) $(picture)
 tests_render_test_transport_SOURCES = tests/render/test_transport.c $(offline)
 tests_unit_test_film_SOURCES = tests/unit/test_film.c $(offline)
 tests_render_test_effects_SOURCES = tests/render/test_effects.c $(offline)
