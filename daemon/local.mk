@@ -10,6 +10,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/base/listen.h \
 	daemon/base/log.c \
 	daemon/base/log.h \
+	daemon/base/memory.c \
+	daemon/base/memory.h \
 	daemon/base/metrics.c \
 	daemon/base/metrics.h \
 	daemon/base/queue.c \
@@ -99,6 +101,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/render/render.c \
 	daemon/render/render.h \
 	daemon/render/resolve.c \
+	daemon/render/size.c \
 	daemon/render/wave.c \
 	daemon/render/wave.h \
 	daemon/scene/alias.c \

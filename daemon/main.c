@@ -2,6 +2,7 @@
 #include "base/folders.h"
 #include "base/listen.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/metrics.h"
 #include "base/thread.h"
 #include "device/device.h"
@@ -54,8 +55,7 @@ static void raise_file_limit(void)
 
 static struct glint_import_limits import_limits(void)
 {
-    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    const size_t half = pages > 0 && page > 0 ? (size_t)pages / 2 * (size_t)page : 0;
+    const size_t half = (size_t)(glint_memory_total() / 2);
     return (struct glint_import_limits){half > SMALLEST_IMPORT ? half : SMALLEST_IMPORT,
                                         IMPORT_CPU_SECONDS};
 }
@@ -81,7 +81,7 @@ static glint_status start_threads(struct house *h, struct glint_error *err)
     const struct glint_import_limits limits = import_limits();
     glint_status st = glint_store_create(&h->store, h->devices, h->importer, &limits, err);
     if (!st)
-        st = glint_jobs_create(&h->jobs, h->devices, h->store, err);
+        st = glint_jobs_create(&h->jobs, h->devices, h->store, glint_memory_total() / 2, err);
     if (!st)
         st = glint_metrics_create(&h->metrics, err);
     if (!st)

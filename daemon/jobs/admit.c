@@ -136,6 +136,7 @@ static void fill(struct glint_entry *e, struct glint_job *job, glint_revision *r
     e->since = NAN;
     e->sequence = 1;
     e->submitted = glint_now();
+    e->film_bytes = glint_render_film_bytes(glint_revision_resident(revision), job);
     glint_utc(e->created);
     warn_of_mattes(e->warnings, glint_resident_scene(glint_revision_resident(revision)),
                    job->outputs);

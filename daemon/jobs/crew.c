@@ -12,6 +12,10 @@ struct order {
     struct glint_slice slice;
 };
 
+struct preparation {
+    struct glint_entry *entry, *gone;
+};
+
 struct member {
     glint_queue *orders, *inbox;
     glint_devices *devices;
@@ -22,7 +26,7 @@ struct member {
 
 struct glint_crew {
     uint32_t workers;
-    struct member preparer; // its orders are struct glint_entry *
+    struct member preparer; // its orders are struct preparation
     struct member worker[]; // [workers]; orders are struct order
 };
 
@@ -55,7 +59,9 @@ static void drop(struct glint_message *answer)
 static void *prepare(void *arg)
 {
     const struct member *m = arg;
-    for (struct glint_entry *entry; glint_queue_pop(m->orders, &entry);) {
+    for (struct preparation order; glint_queue_pop(m->orders, &order);) {
+        struct glint_entry *entry = order.entry;
+        glint_entry_release_all(order.gone);
         struct glint_message answer = {.kind = GLINT_MESSAGE_PREPARED, .entry = entry};
         // Relaxed: a hint that saves work; the scheduler decides what becomes of the answer.
         if (!atomic_load_explicit(&entry->abandoned, memory_order_relaxed))
@@ -100,7 +106,7 @@ glint_status glint_crew_create(glint_crew **out, glint_devices *devices, glint_q
     crew->workers = workers;
     crew->preparer = (struct member){.inbox = inbox, .devices = devices};
     glint_status st =
-        start(&crew->preparer, "prepare", 1, sizeof(struct glint_entry *), prepare, err);
+        start(&crew->preparer, "prepare", 1, sizeof(struct preparation), prepare, err);
     for (uint32_t i = 0; !st && i < workers; i++) {
         char name[24];
         snprintf(name, sizeof name, "worker %u", i);
@@ -150,10 +156,10 @@ bool glint_crew_recall(glint_crew *crew, uint32_t worker, struct glint_entry **e
     return true;
 }
 
-void glint_crew_prepare(glint_crew *crew, struct glint_entry *entry)
+void glint_crew_prepare(glint_crew *crew, struct glint_entry *entry, struct glint_entry *gone)
 {
-    glint_entry_retain(entry);
-    const bool room = glint_queue_offer(crew->preparer.orders, &entry);
+    const struct preparation order = {glint_entry_retain(entry), gone};
+    const bool room = glint_queue_offer(crew->preparer.orders, &order);
     assert(room);
     (void)room;
 }

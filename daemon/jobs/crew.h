@@ -47,6 +47,7 @@ bool glint_crew_recall(glint_crew *crew, uint32_t worker, struct glint_entry **e
                        struct glint_slice *slice);
 
 // Orders the entry's render to be made. Takes a reference. At most one may be out.
-void glint_crew_prepare(glint_crew *crew, struct glint_entry *entry);
+// gone: a list by `next` of entries to be released before, to make room; takes their references.
+void glint_crew_prepare(glint_crew *crew, struct glint_entry *entry, struct glint_entry *gone);
 
 #endif

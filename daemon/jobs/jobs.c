@@ -1,6 +1,5 @@
 #include "jobs/jobs.h"
 
-#include "base/log.h"
 #include "jobs/admit.h"
 #include "jobs/describe.h"
 #include "jobs/patch.h"
@@ -16,7 +15,7 @@ struct glint_jobs {
 };
 
 glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_store *store,
-                               struct glint_error *err)
+                               uint64_t film_bytes, struct glint_error *err)
 {
     *out = NULL;
     glint_jobs *jobs = calloc(1, sizeof *jobs);
@@ -24,7 +23,8 @@ glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_s
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the job table");
     jobs->store = store;
     glint_job_table_init(&jobs->table);
-    const glint_status st = glint_scheduler_create(&jobs->scheduler, devices, &jobs->table, err);
+    const glint_status st =
+        glint_scheduler_create(&jobs->scheduler, devices, &jobs->table, film_bytes, err);
     if (st)
         glint_jobs_destroy(&jobs);
     *out = jobs;
@@ -46,17 +46,6 @@ void glint_jobs_on_change(glint_jobs *jobs, void (*changed)(void *user), void *u
     struct glint_command command = {.kind = GLINT_COMMAND_WATCH, .changed = changed, .user = user};
     while (glint_scheduler_call(jobs->scheduler, &command) == GLINT_E_BUSY) {
         // A full inbox empties at once; who unregisters must not go on before it is done.
-    }
-}
-
-// Films are freed here, on the caller's thread, and not by the scheduler.
-static void release_all(struct glint_entry *gone)
-{
-    while (gone) {
-        struct glint_entry *next = gone->next;
-        glint_log(GLINT_LOG_DEBUG, "jobs", gone->id, NULL, "forgotten");
-        glint_entry_release(&gone);
-        gone = next;
     }
 }
 
@@ -91,7 +80,7 @@ static glint_status add(glint_jobs *jobs, struct glint_entry *entry, char id[GLI
     struct glint_command command = {.kind = GLINT_COMMAND_SUBMIT, .entry = entry, .err = err};
     strcpy(id, entry->id);
     glint_status st = glint_scheduler_call(jobs->scheduler, &command);
-    release_all(command.gone);
+    glint_entry_release_all(command.gone); // here and not by the scheduler: it takes a while
     *repeated = command.repeated != NULL;
     if (*repeated)
         st = repeat(command.repeated, entry->text, id, err);
@@ -180,7 +169,7 @@ static glint_status command(glint_jobs *jobs, const char *id, struct glint_comma
     if (!c->entry)
         return GLINT_E_NOT_FOUND;
     const glint_status st = glint_scheduler_call(jobs->scheduler, c);
-    release_all(c->gone);
+    glint_entry_release_all(c->gone);
     glint_entry_release(&c->entry);
     return st;
 }

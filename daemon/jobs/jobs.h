@@ -29,8 +29,10 @@ const char *glint_job_state_name(enum glint_job_state state);
 
 #define GLINT_JOB_ID_BYTES 33
 
+// film_bytes: memory for the films of all jobs. The oldest ended jobs are forgotten when a new one
+// needs theirs; a job that does not fit beside those that render waits.
 glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_store *store,
-                               struct glint_error *err);
+                               uint64_t film_bytes, struct glint_error *err);
 // Stops after the slices out now; every job that has not ended becomes cancelled.
 void glint_jobs_destroy(glint_jobs **jobs);
 
@@ -42,8 +44,9 @@ void glint_jobs_on_change(glint_jobs *jobs, void (*changed)(void *user), void *u
 // Takes `job` on success. The scene's current revision is pinned now. key: Idempotency-Key or
 // NULL; the same key with an equal body answers the same id and sets *repeated, with another body
 // it is GLINT_E_RANGE. A key is good for a day and no longer than its job is known.
-//   GLINT_E_RANGE  no such scene, no such camera (pointers into the job); the key
-//   GLINT_E_BUSY   too many jobs wait, or the daemon is shutting down
+//   GLINT_E_RANGE     no such scene, no such camera (pointers into the job); the key
+//   GLINT_E_CAPACITY  its film is larger than all films may be together
+//   GLINT_E_BUSY      too many jobs wait, or the daemon is shutting down
 glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job, const char *key,
                                char id[GLINT_JOB_ID_BYTES], bool *repeated,
                                struct glint_error *err);

@@ -12,10 +12,12 @@
 #include <string.h>
 
 #define COMMAND_ROOM 256 // in the inbox, beside one answer for each order that can be out
+#define GIB (1024.0 * 1024 * 1024)
 #define FIRST_SLICE 0.02 // seconds, the guess until a slice was measured
 
 struct glint_scheduler {
     struct glint_job_table *table;
+    uint64_t film_bytes;
     glint_crew *crew;
     glint_queue *inbox;
     pthread_t thread;
@@ -150,6 +152,10 @@ static glint_status submit(glint_scheduler *s, struct glint_command *c)
     if (s->lives == GLINT_MAX_LIVE_JOBS)
         return glint_fail(c->err, GLINT_E_BUSY, "", "%u jobs wait or render already",
                           GLINT_MAX_LIVE_JOBS);
+    if (c->entry->film_bytes > s->film_bytes)
+        return glint_fail(c->err, GLINT_E_CAPACITY, "/resolution",
+                          "the film needs %.3g GiB of memory, all films may have %.3g",
+                          (double)c->entry->film_bytes / GIB, (double)s->film_bytes / GIB);
     c->gone = glint_job_table_trim(s->table);
     if (!glint_job_table_add(s->table, c->entry))
         return glint_fail(c->err, GLINT_E_NOMEM, "", "no memory for one more job");
@@ -369,8 +375,12 @@ static void prepare_next(glint_scheduler *s)
     struct glint_entry *e = s->preparing ? NULL : glint_turn_prepare(s->live, s->lives);
     if (!e)
         return;
+    struct glint_entry *gone = NULL;
+    e->blocked = !glint_job_table_make_room(s->table, e->film_bytes, s->film_bytes, &gone);
+    if (e->blocked)
+        return;
     s->preparing = e->preparing = true;
-    glint_crew_prepare(s->crew, e);
+    glint_crew_prepare(s->crew, e, gone);
 }
 
 // The worker with the fewest orders, or GLINT_NONE when all have their fill.
@@ -445,7 +455,8 @@ static void *run(void *arg)
 }
 
 glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *devices,
-                                    struct glint_job_table *table, struct glint_error *err)
+                                    struct glint_job_table *table, uint64_t film_bytes,
+                                    struct glint_error *err)
 {
     *out = NULL;
     glint_scheduler *s = calloc(1, sizeof *s);
@@ -457,6 +468,7 @@ glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *device
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the scheduler");
     }
     s->table = table;
+    s->film_bytes = film_bytes;
     s->load = load;
     pthread_mutex_init(&s->mutex, NULL);
     pthread_cond_init(&s->answer, NULL);

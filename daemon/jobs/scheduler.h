@@ -38,9 +38,10 @@ struct glint_command {
     bool answered;                // the scheduler's and call's
 };
 
-// `table` outlives the scheduler.
+// `table` outlives the scheduler. film_bytes: what all films together may hold.
 glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *devices,
-                                    struct glint_job_table *table, struct glint_error *err);
+                                    struct glint_job_table *table, uint64_t film_bytes,
+                                    struct glint_error *err);
 // Stops after the slices out now; what has not ended becomes cancelled.
 void glint_scheduler_destroy(glint_scheduler **scheduler);
 

@@ -1,6 +1,7 @@
 #include "jobs/table.h"
 
 #include "base/clock.h"
+#include "base/log.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -96,6 +97,15 @@ void glint_job_table_remove(struct glint_job_table *table, struct glint_entry *e
     pthread_mutex_unlock(&table->mutex);
 }
 
+// Takes an entry out and puts it at the head of a list.
+static void take_out(struct glint_job_table *table, struct glint_entry *entry,
+                     struct glint_entry **gone)
+{
+    glint_job_table_remove(table, entry);
+    entry->next = *gone;
+    *gone = entry;
+}
+
 struct glint_entry *glint_job_table_trim(struct glint_job_table *table)
 {
     size_t ended = 0;
@@ -103,17 +113,37 @@ struct glint_entry *glint_job_table_trim(struct glint_job_table *table)
         ended += glint_state_ended(table->entry[i]->state);
     struct glint_entry *gone = NULL;
     for (size_t i = 0; ended > GLINT_MAX_ENDED_JOBS;) {
-        struct glint_entry *entry = table->entry[i];
-        if (!glint_state_ended(entry->state)) {
+        if (!glint_state_ended(table->entry[i]->state)) {
             i++;
             continue;
         }
-        glint_job_table_remove(table, entry);
-        entry->next = gone;
-        gone = entry;
+        take_out(table, table->entry[i], &gone);
         ended--;
     }
     return gone;
+}
+
+bool glint_job_table_make_room(struct glint_job_table *table, uint64_t wanted, uint64_t limit,
+                               struct glint_entry **gone)
+{
+    uint64_t live = wanted, ended = 0;
+    for (size_t i = 0; i < table->count; i++) {
+        const struct glint_entry *e = table->entry[i];
+        if (e->render || e->preparing)
+            *(glint_state_ended(e->state) ? &ended : &live) += e->film_bytes;
+    }
+    if (live > limit)
+        return false;
+    for (size_t i = 0; live + ended > limit;) {
+        struct glint_entry *e = table->entry[i];
+        if (!e->render || !glint_state_ended(e->state)) {
+            i++;
+            continue;
+        }
+        ended -= e->film_bytes;
+        take_out(table, e, gone);
+    }
+    return true;
 }
 
 struct glint_entry *glint_entry_retain(struct glint_entry *entry)
@@ -138,6 +168,16 @@ void glint_entry_release(struct glint_entry **entry)
     free(e->text);
     free(e->key);
     free(e);
+}
+
+void glint_entry_release_all(struct glint_entry *gone)
+{
+    while (gone) {
+        struct glint_entry *next = gone->next;
+        glint_log(GLINT_LOG_DEBUG, "jobs", gone->id, NULL, "forgotten");
+        glint_entry_release(&gone);
+        gone = next;
+    }
 }
 
 double glint_entry_seconds(const struct glint_entry *entry, double now)

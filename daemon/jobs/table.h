@@ -32,6 +32,7 @@ struct glint_entry {
     cJSON *warnings;          // array of strings
     char created[32];
     double submitted; // glint_now()
+    uint64_t film_bytes;
 
     // shared
     enum glint_job_state state;
@@ -88,6 +89,11 @@ void glint_job_table_remove(struct glint_job_table *table, struct glint_entry *e
 // Scheduler only: takes the oldest ended jobs past GLINT_MAX_ENDED_JOBS out; a list by `next`.
 struct glint_entry *glint_job_table_trim(struct glint_job_table *table);
 
+// Scheduler only: takes as many of the oldest ended jobs out as hold the film that is too much for
+// `wanted` more within `limit`. False, and nothing done, where that cannot be enough.
+bool glint_job_table_make_room(struct glint_job_table *table, uint64_t wanted, uint64_t limit,
+                               struct glint_entry **gone);
+
 static inline bool glint_state_ended(enum glint_job_state state)
 {
     return state >= GLINT_JOB_DONE;
@@ -96,6 +102,7 @@ static inline bool glint_state_ended(enum glint_job_state state)
 struct glint_entry *glint_entry_retain(struct glint_entry *entry);
 // The last reference frees the film, which takes a while: not under a lock.
 void glint_entry_release(struct glint_entry **entry);
+void glint_entry_release_all(struct glint_entry *gone); // a list by `next`
 
 // Seconds of rendering up to now. With the mutex, or by the scheduler.
 double glint_entry_seconds(const struct glint_entry *entry, double now);

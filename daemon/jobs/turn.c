@@ -63,11 +63,11 @@ struct glint_entry *glint_turn_prepare(struct glint_entry *const *entry, size_t 
     struct glint_entry *next = NULL;
     for (size_t i = 0; i < count; i++) {
         const struct glint_entry *e = entry[i];
-        const bool ready = waits(e) && !e->render && !e->preparing && !e->blocked;
+        const bool ready = waits(e) && !e->render && !e->preparing;
         if (ready && (!next || e->priority > next->priority))
             next = entry[i];
     }
-    if (next && films_before(entry, count, next->priority) >= GLINT_MAX_FILMS)
+    if (!next || next->blocked || films_before(entry, count, next->priority) >= GLINT_MAX_FILMS)
         return NULL;
     return next;
 }

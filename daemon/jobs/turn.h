@@ -25,7 +25,8 @@ void glint_turn_join(struct glint_entry *const *entry, size_t count, struct glin
 void glint_turn_charge(struct glint_entry *entry, double seconds);
 
 // Whose film is made next, NULL: nobody's. Films are memory, so that only GLINT_MAX_FILMS jobs that
-// matter as much as the next have one.
+// matter as much as the next have one; and nobody passes one that waits
+// for memory, so that a large film gets its turn among small ones.
 struct glint_entry *glint_turn_prepare(struct glint_entry *const *entry, size_t count);
 
 #endif

@@ -178,6 +178,14 @@ uint32_t fake_creates(void)
     return count;
 }
 
+void fake_wait_creates(uint32_t count)
+{
+    lock();
+    while (creates < count)
+        pthread_cond_wait(&changed, &mutex);
+    unlock();
+}
+
 int fake_renders(void)
 {
     lock();
@@ -223,6 +231,12 @@ static glint_status create_failure(uint32_t seed)
         return GLINT_OK;
     b->create_failures--;
     return b->create_status;
+}
+
+uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struct glint_job *job)
+{
+    (void)scene;
+    return (uint64_t)job->width * job->height;
 }
 
 glint_status glint_render_create(glint_render **out, struct glint_devices *d,

@@ -1,6 +1,6 @@
 // fake_render.h - stands in for devices and renders: jobs of counted slices, run under the test's
 // control. A job has `width` blocks and stop.samples passes of one sample; a pass begins when the
-// one before is back. Jobs are told apart by their seed.
+// one before is back. Jobs are told apart by their seed; a film has a byte per pixel.
 //
 // It checks what a render may rely on: a block has one owner at a time, no slice is run twice, and
 // nothing is given back that was not taken.
@@ -37,6 +37,7 @@ void fake_slice_seconds(uint32_t seed, double seconds);
 void fake_begun(size_t count, uint32_t *seed);
 size_t fake_begun_now(void);
 uint32_t fake_creates(void); // calls so far
+void fake_wait_creates(uint32_t count);
 int fake_renders(void);      // that live
 
 // Rules broken so far; 0 in every test.

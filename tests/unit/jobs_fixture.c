@@ -36,6 +36,11 @@ static void note(void *user)
 
 void fixture_start(struct fixture *f, uint32_t workers)
 {
+    fixture_start_within(f, workers, UINT32_MAX);
+}
+
+void fixture_start_within(struct fixture *f, uint32_t workers, uint64_t film_bytes)
+{
     const struct glint_import_limits limits = {1 << 20, 1};
     glint_revision *revision;
     bool created;
@@ -46,7 +51,7 @@ void fixture_start(struct fixture *f, uint32_t workers)
                                      strlen(scene), NULL, &revision, &created, NULL),
                      GLINT_OK);
     glint_revision_release(&revision);
-    assert_int_equal(glint_jobs_create(&f->jobs, devices, f->store, NULL), GLINT_OK);
+    assert_int_equal(glint_jobs_create(&f->jobs, devices, f->store, film_bytes, NULL), GLINT_OK);
     glint_jobs_on_change(f->jobs, note, NULL);
 }
 

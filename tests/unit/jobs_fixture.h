@@ -13,6 +13,7 @@ struct fixture {
 
 // A store with the scene "s" (camera id "c", name "Front") and jobs on `workers` stand-in workers.
 void fixture_start(struct fixture *f, uint32_t workers);
+void fixture_start_within(struct fixture *f, uint32_t workers, uint64_t film_bytes);
 // Ends all; nothing may be left, no rule broken.
 void fixture_stop(struct fixture *f);
 

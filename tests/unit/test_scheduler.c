@@ -120,6 +120,8 @@ static void films_are_made_for_the_important_first_and_for_few_at_once(void **st
     assert_null(glint_turn_prepare(entry, COUNT)); // GLINT_MAX_FILMS + 1 matter as much
     e[0].state = e[1].state = GLINT_JOB_PAUSED;
     assert_ptr_equal(glint_turn_prepare(entry, COUNT), low);
+    low->blocked = true;
+    assert_null(glint_turn_prepare(entry, COUNT));
 }
 
 // The scheduler with its crew, over stand-in renders.
@@ -238,13 +240,74 @@ static void a_film_that_does_not_fit_waits_for_others_to_end(void **state)
     fake_fail_create(2, GLINT_E_CAPACITY, 1);
     const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [5, 1],"
                                        " 'stop': {'samples': 1}}");
+    fake_wait_creates(2);
     const char *c = fixture_submit(&f, "{'scene': 's', 'seed': 3, 'resolution': [5, 1],"
-                                       " 'stop': {'samples': 1}}");
-    fixture_wait(&f, c, GLINT_JOB_RENDERING); // prepared after b had its first try
+                                       " 'priority': 1, 'stop': {'samples': 1}}");
+    fixture_wait(&f, c, GLINT_JOB_RENDERING);
     assert_int_equal(fixture_state(&f, b), GLINT_JOB_QUEUED);
     fake_open_gate();
     fixture_wait(&f, b, GLINT_JOB_DONE);
     assert_int_equal(fake_creates(), 4);
+    fixture_stop(&f);
+}
+
+static void a_job_waits_for_room_beside_those_that_render(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start_within(&f, 1, 100);
+    fake_close_gate();
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [60, 1]}");
+    fixture_wait(&f, a, GLINT_JOB_RENDERING);
+    const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [60, 1],"
+                                       " 'stop': {'samples': 1}}");
+    const char *c = fixture_submit(&f, "{'scene': 's', 'seed': 3, 'resolution': [30, 1],"
+                                       " 'stop': {'samples': 1}}");
+    const char *urgent = fixture_submit(&f, "{'scene': 's', 'seed': 4, 'resolution': [40, 1],"
+                                            " 'priority': 1}");
+    fixture_wait(&f, urgent, GLINT_JOB_RENDERING); // beside a: 60 + 40
+    assert_int_equal(fixture_state(&f, b), GLINT_JOB_QUEUED);
+    assert_int_equal(fixture_state(&f, c), GLINT_JOB_QUEUED); // it does not pass b
+    assert_int_equal(fake_creates(), 2);
+    fake_open_gate();
+    fixture_wait(&f, b, GLINT_JOB_DONE);
+    fixture_wait(&f, c, GLINT_JOB_DONE);
+    fixture_stop(&f);
+}
+
+static void the_oldest_ended_jobs_give_their_films_room(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start_within(&f, 1, 100);
+    const char *id[3];
+    for (int i = 0; i < 3; i++) {
+        id[i] = fixture_submit(&f, "{'scene': 's', 'resolution': [40, 1], 'stop': {'samples': 1}}");
+        fixture_wait(&f, id[i], GLINT_JOB_DONE);
+    }
+    assert_null(glint_jobs_describe(f.jobs, id[0], NULL));
+    assert_int_equal(fixture_state(&f, id[1]), GLINT_JOB_DONE);
+    assert_int_equal(fake_renders(), 2);
+    fixture_stop(&f);
+}
+
+static void a_film_over_the_limit_is_refused_and_costs_nobody_anything(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start_within(&f, 1, 100);
+    const char *a = fixture_submit(&f, "{'scene': 's', 'resolution': [100, 1],"
+                                       " 'stop': {'samples': 1}}");
+    fixture_wait(&f, a, GLINT_JOB_DONE);
+    char id[GLINT_JOB_ID_BYTES];
+    bool repeated;
+    struct glint_error err = {0};
+    assert_int_equal(
+        fixture_try(&f, "{'scene': 's', 'resolution': [101, 1]}", NULL, id, &repeated, &err),
+        GLINT_E_CAPACITY);
+    assert_string_equal(err.fault[0].pointer, "/resolution");
+    glint_error_finish(&err);
+    assert_int_equal(fixture_state(&f, a), GLINT_JOB_DONE);
     fixture_stop(&f);
 }
 
@@ -487,6 +550,9 @@ int main(void)
         cmocka_unit_test(a_failing_slice_fails_its_job_alone),
         cmocka_unit_test(a_failing_preparation_fails_its_job_alone),
         cmocka_unit_test(a_film_that_does_not_fit_waits_for_others_to_end),
+        cmocka_unit_test(a_job_waits_for_room_beside_those_that_render),
+        cmocka_unit_test(the_oldest_ended_jobs_give_their_films_room),
+        cmocka_unit_test(a_film_over_the_limit_is_refused_and_costs_nobody_anything),
         cmocka_unit_test(a_film_that_fits_nowhere_fails_with_capacity),
         cmocka_unit_test(compiling_holds_up_neither_slices_nor_answers),
         cmocka_unit_test(a_cancelled_job_runs_no_slice_that_had_not_begun),

@@ -1,0 +1,55 @@
+#include "base/memory.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#define GROUP_BYTES 512
+
+// The number in a file below /sys/fs/cgroup, UINT64_MAX where there is none ("max").
+static uint64_t read_limit(const char *mount, const char *group, const char *file)
+{
+    char path[GROUP_BYTES + 64];
+    unsigned long long limit;
+    snprintf(path, sizeof path, "/sys/fs/cgroup%s%s/%s", mount, group, file);
+    FILE *f = fopen(path, "re");
+    const int found = f ? fscanf(f, "%llu", &limit) : 0;
+    if (f)
+        fclose(f);
+    return found == 1 ? limit : UINT64_MAX;
+}
+
+// A container sees its own group as the root of the mount, whatever the kernel calls it.
+static uint64_t limit_of(const char *mount, const char *group, const char *file)
+{
+    const uint64_t named = read_limit(mount, group, file), root = read_limit(mount, "", file);
+    return named < root ? named : root;
+}
+
+// line: "0::/group" (version 2) or "4:memory:/group" (version 1) of /proc/self/cgroup.
+static uint64_t limit_in(char *line)
+{
+    char *group = strchr(line, '/');
+    if (!group)
+        return UINT64_MAX;
+    group[strcspn(group, "\n")] = '\0';
+    if (!strncmp(line, "0::", 3))
+        return limit_of("", group, "memory.max");
+    return strstr(line, ":memory:") ? limit_of("/memory", group, "memory.limit_in_bytes")
+                                    : UINT64_MAX;
+}
+
+uint64_t glint_memory_total(void)
+{
+    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    uint64_t total = (uint64_t)(pages > 0 ? pages : 1) * (uint64_t)page;
+    FILE *f = fopen("/proc/self/cgroup", "re");
+    char line[GROUP_BYTES];
+    while (f && fgets(line, sizeof line, f)) {
+        const uint64_t limit = limit_in(line);
+        total = limit < total ? limit : total;
+    }
+    if (f)
+        fclose(f);
+    return total;
+}

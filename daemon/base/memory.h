@@ -1,0 +1,13 @@
+// memory.h - how much memory there is.
+//
+// Thread-safety: any thread.
+#ifndef GLINT_BASE_MEMORY_H
+#define GLINT_BASE_MEMORY_H
+
+#include <stdint.h>
+
+// Bytes that this process and its neighbours in the control group may have: the machine's memory or
+// the group's limit, whichever is less.
+uint64_t glint_memory_total(void);
+
+#endif

@@ -1,0 +1,32 @@
+// size.c - what a film will need, before anything is compiled or allocated.
+#include "kernels/gk_film.h"
+#include "render/plan.h"
+#include "render/render.h"
+
+#include <string.h>
+
+static const struct glint_camera *camera_of(const struct glint_scene *scene,
+                                            const struct glint_job *job)
+{
+    if (job->has_camera)
+        return &job->camera;
+    for (uint32_t i = 0; job->camera_name && i < scene->cameras; i++)
+        if (!strcmp(scene->camera[i].name, job->camera_name) ||
+            !strcmp(scene->camera[i].id, job->camera_name))
+            return &scene->camera[i];
+    return &scene->camera[0];
+}
+
+static uint64_t padded(uint32_t pixels)
+{
+    return ((uint64_t)pixels + GK_TILE_SIDE - 1) / GK_TILE_SIDE * GK_TILE_SIDE;
+}
+
+uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struct glint_job *job)
+{
+    const struct glint_effect_input in = {glint_resident_facts(scene), job,
+                                          camera_of(glint_resident_scene(scene), job)};
+    struct glint_plan plan;
+    glint_plan_make(&plan, &in, 0);
+    return padded(job->region[2]) * padded(job->region[3]) * plan.film_bytes;
+}
