@@ -103,6 +103,7 @@ SCRIPT_TESTS = \
 	tests/http/test_requests.py \
 	tests/http/test_scenes.py \
 	tests/http/test_streams.py \
+	tests/render/test_cryptomatte_node.py \
 	tests/render/test_exr_readers.py \
 	tests/unit/headers.sh \
 	tests/unit/import_corpora.py \
@@ -112,6 +113,7 @@ TESTS += $(UNIT_TESTS) $(SCRIPT_TESTS)
 dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/bench/run tests/bench/vectorised
 dist_check_DATA += tests/clients/cli.py tests/clients/fake_daemon.py tests/http/daemon.py \
 	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/surface.h \
+	tests/render/cryptomatte.py tests/render/cryptomatte_node.py \
 	tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/tap.py
 
 TEST_EXTENSIONS = .py .sh
