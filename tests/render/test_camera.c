@@ -24,15 +24,17 @@ static struct offline o;
 static const double eye[3] = {3.0, -2.0, 5.0};
 static const double turn[4] = {0.1, 0.7, -0.2, 0.67823299831252681}; // unit
 
-#define EYE                                                                                        \
-    "\"environment\":{},\"cameras\":{\"eye\":{\"yfov\":0.6,\"transform\":{\"translation\":[3,-2,5]," \
+#define EYE                                                                                       \
+    "\"environment\":{},\"cameras\":{\"eye\":{\"yfov\":0.6,\"transform\":{\"translation\":[3,-2," \
+    "5],"                                                                                         \
     "\"rotation\":[0.1,0.7,-0.2,0.67823299831252681]}}}"
 
 static void rotate(const double q[4], const double v[3], double out[3])
 {
     for (int k = 0; k < 3; k++) { // v + 2 w (q x v) + 2 q x (q x v)
         const int a = (k + 1) % 3, b = (k + 2) % 3;
-        const double c[3] = {q[1] * v[2] - q[2] * v[1], q[2] * v[0] - q[0] * v[2], q[0] * v[1] - q[1] * v[0]};
+        const double c[3] = {q[1] * v[2] - q[2] * v[1], q[2] * v[0] - q[0] * v[2],
+                             q[0] * v[1] - q[1] * v[0]};
         out[k] = v[k] + 2 * q[3] * c[k] + 2 * (q[a] * c[b] - q[b] * c[a]);
     }
 }
@@ -54,7 +56,8 @@ static struct glint_frame *render_text(const char *scene, const char *job)
 }
 
 // p M, row vectors; returns w.
-static double transform(const struct glint_frame *f, const char *name, const double p[3], double out[3])
+static double transform(const struct glint_frame *f, const char *name, const double p[3],
+                        double out[3])
 {
     const float *m = glint_frame_attribute(f, name)->number;
     for (int j = 0; j < 3; j++)
@@ -81,12 +84,15 @@ static void centroid(const struct glint_frame *f, double at[2])
 static struct glint_frame *render_ball(const double p[3], double radius, const double pixel[2])
 {
     char scene[1024], job[256];
-    snprintf(scene, sizeof scene,
-             "{\"materials\":{\"m\":{}},\"meshes\":{\"s\":{\"primitive\":\"sphere\",\"radius\":%.17g}},"
-             "\"instances\":{\"s\":{\"mesh\":\"s\",\"material\":\"m\",\"transform\":{\"translation\":[%.17g,%.17g,%.17g]}}},"
-             EYE "}", radius, p[0], p[1], p[2]);
+    snprintf(
+        scene, sizeof scene,
+        "{\"materials\":{\"m\":{}},\"meshes\":{\"s\":{\"primitive\":\"sphere\",\"radius\":%.17g}},"
+        "\"instances\":{\"s\":{\"mesh\":\"s\",\"material\":\"m\",\"transform\":{\"translation\":[%."
+        "17g,%.17g,%.17g]}}}," EYE "}",
+        radius, p[0], p[1], p[2]);
     snprintf(job, sizeof job,
-             "{\"scene\":\"s\",\"resolution\":[%d,%d],\"region\":[%d,%d,16,16],\"outputs\":[\"beauty\"],\"max_bounces\":0,"
+             "{\"scene\":\"s\",\"resolution\":[%d,%d],\"region\":[%d,%d,16,16],\"outputs\":["
+             "\"beauty\"],\"max_bounces\":0,"
              "\"filter\":{\"kind\":\"box\",\"width\":1},\"stop\":{\"samples\":4096}}",
              WIDTH, HEIGHT, (int)pixel[0] - 8, (int)pixel[1] - 8);
     return render_text(scene, job);
@@ -97,13 +103,15 @@ static struct glint_frame *render_ball(const double p[3], double radius, const d
 static void header_matrices_project_points_to_where_they_are_seen(void **state)
 {
     (void)state;
-    static const double point[][3] = {{0, 0, 4}, {1.6, 1.0, 4}, {-2.4, 1.2, 6}, {-0.35, -0.24, 1}, {25, -20, 90}};
+    static const double point[][3] = {
+        {0, 0, 4}, {1.6, 1.0, 4}, {-2.4, 1.2, 6}, {-0.35, -0.24, 1}, {25, -20, 90}};
     const double pixel_size = 2 * tan(YFOV / 2) / HEIGHT;
     for (size_t i = 0; i < COUNT(point); i++) {
         const double *c = point[i];
         double world[3], camera[3], ndc[3], at[2];
         seen_at(c[0], c[1], c[2], world);
-        const double want[2] = {WIDTH / 2 + c[0] / c[2] / pixel_size, HEIGHT / 2 - c[1] / c[2] / pixel_size};
+        const double want[2] = {WIDTH / 2 + c[0] / c[2] / pixel_size,
+                                HEIGHT / 2 - c[1] / c[2] / pixel_size};
         struct glint_frame *f = render_ball(world, 1.5 * pixel_size * c[2], want);
         assert_float_equal(transform(f, "worldToCamera", world, camera), 1.0, 1e-6);
         for (int k = 0; k < 3; k++)
@@ -129,8 +137,9 @@ static void region_is_the_data_window_of_the_whole_display(void **state)
     glint_frame_destroy(&f);
 }
 
-#define CHANNELS_JOB                                                                               \
-    "{\"scene\":\"s\",\"resolution\":[192,128],\"outputs\":[\"beauty\",\"depth\",\"normal\",\"albedo\"]," \
+#define CHANNELS_JOB                                                                          \
+    "{\"scene\":\"s\",\"resolution\":[192,128],\"outputs\":[\"beauty\",\"depth\",\"normal\"," \
+    "\"albedo\"],"                                                                            \
     "\"max_bounces\":0,\"filter\":{\"kind\":\"box\",\"width\":1},\"stop\":{\"samples\":16}}"
 
 // A wall across the view at distance 7 that hides the left half, seen along rays of every length.
@@ -140,10 +149,13 @@ static void depth_is_the_distance_along_the_view_axis(void **state)
     char scene[1024];
     double p[3];
     seen_at(-50, 0, 7, p);
-    snprintf(scene, sizeof scene,
-             "{\"materials\":{\"m\":{}},\"meshes\":{\"q\":{\"primitive\":\"quad\",\"size\":[100,100]}},"
-             "\"instances\":{\"q\":{\"mesh\":\"q\",\"material\":\"m\",\"transform\":{\"translation\":[%.17g,%.17g,%.17g],"
-             "\"rotation\":[0.1,0.7,-0.2,0.67823299831252681]}}}," EYE "}", p[0], p[1], p[2]);
+    snprintf(
+        scene, sizeof scene,
+        "{\"materials\":{\"m\":{}},\"meshes\":{\"q\":{\"primitive\":\"quad\",\"size\":[100,100]}},"
+        "\"instances\":{\"q\":{\"mesh\":\"q\",\"material\":\"m\",\"transform\":{\"translation\":[%."
+        "17g,%.17g,%.17g],"
+        "\"rotation\":[0.1,0.7,-0.2,0.67823299831252681]}}}," EYE "}",
+        p[0], p[1], p[2]);
     struct glint_frame *f = render_text(scene, CHANNELS_JOB);
     const float *z = glint_frame_find(f, "Z");
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
@@ -181,7 +193,8 @@ static bool ellipsoid_normal(int x, int y, const double centre[3], double n[3])
     }
     into_ellipsoid(target, from);
     into_ellipsoid(world, d);
-    const double a = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], b = from[0] * d[0] + from[1] * d[1] + from[2] * d[2];
+    const double a = d[0] * d[0] + d[1] * d[1] + d[2] * d[2],
+                 b = from[0] * d[0] + from[1] * d[1] + from[2] * d[2];
     const double c = from[0] * from[0] + from[1] * from[1] + from[2] * from[2] - 1;
     if (b * b - a * c < 0.1 * a) // a margin: beyond it the normal turns quickly
         return false;
@@ -205,15 +218,18 @@ static void check_normals(int copies, int segments)
     int seen = 0;
     seen_at(0.3, -0.2, 8, p);
     int n = snprintf(scene, sizeof scene,
-                     "{\"materials\":{\"m\":{}},\"meshes\":{\"s\":{\"primitive\":\"sphere\",\"segments\":%d}},\"instances\":{",
+                     "{\"materials\":{\"m\":{}},\"meshes\":{\"s\":{\"primitive\":\"sphere\","
+                     "\"segments\":%d}},\"instances\":{",
                      segments);
     for (int i = 0; i < copies; i++)
         n += snprintf(scene + n, sizeof scene - n,
-                      "%s\"s%d\":{\"mesh\":\"s\",\"material\":\"m\",\"transform\":{\"translation\":[%.17g,%.17g,%.17g]," TILT "}}",
+                      "%s\"s%d\":{\"mesh\":\"s\",\"material\":\"m\",\"transform\":{\"translation\":"
+                      "[%.17g,%.17g,%.17g]," TILT "}}",
                       i ? "," : "", i, p[0], p[1] + 40 * i, p[2]);
     snprintf(scene + n, sizeof scene - n, "}," EYE "}");
     struct glint_frame *f = render_text(scene, CHANNELS_JOB);
-    const float *const plane[3] = {glint_frame_find(f, "N.X"), glint_frame_find(f, "N.Y"), glint_frame_find(f, "N.Z")};
+    const float *const plane[3] = {glint_frame_find(f, "N.X"), glint_frame_find(f, "N.Y"),
+                                   glint_frame_find(f, "N.Z")};
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         double want[3], square = 0.0;
         if (!ellipsoid_normal(i % WIDTH, i / WIDTH, p, want))
@@ -262,9 +278,12 @@ static void textures_are_upright_and_not_mirrored(void **state)
     (void)state;
     char scene[4096], *image = quarters();
     snprintf(scene, sizeof scene,
-             "{\"images\":{\"p\":{\"data\":\"%s\"}},\"materials\":{\"m\":{\"base_color_texture\":{\"image\":\"p\"}}},"
-             "\"meshes\":{\"q\":{\"primitive\":\"quad\",\"size\":[2,2]}},\"instances\":{\"q\":{\"mesh\":\"q\",\"material\":\"m\"}},"
-             "\"cameras\":{\"eye\":{\"yfov\":0.6,\"transform\":{\"translation\":[0,0,4]}}}}", image);
+             "{\"images\":{\"p\":{\"data\":\"%s\"}},\"materials\":{\"m\":{\"base_color_texture\":{"
+             "\"image\":\"p\"}}},"
+             "\"meshes\":{\"q\":{\"primitive\":\"quad\",\"size\":[2,2]}},\"instances\":{\"q\":{"
+             "\"mesh\":\"q\",\"material\":\"m\"}},"
+             "\"cameras\":{\"eye\":{\"yfov\":0.6,\"transform\":{\"translation\":[0,0,4]}}}}",
+             image);
     struct glint_frame *f = render_text(scene, CHANNELS_JOB);
     assert_albedo(f, WIDTH / 2 - 25, HEIGHT / 2 - 25, 1, 0, 0);
     assert_albedo(f, WIDTH / 2 + 25, HEIGHT / 2 - 25, 0, 1, 0);

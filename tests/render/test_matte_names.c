@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void assert_matte(const struct shot *s, enum glint_matte_layer layer, const char *const *names, size_t count)
+static void assert_matte(const struct shot *s, enum glint_matte_layer layer,
+                         const char *const *names, size_t count)
 {
     struct glint_frame *matte = NULL;
     struct glint_error err = {0};
@@ -48,7 +49,8 @@ static void unknown_name_is_refused_by_name(void **state)
     struct glint_error err = {0};
     struct shot s;
     shoot_things(&s, crowd, CROWD, "", "", 1);
-    assert_int_equal(glint_render_matte(s.render, GLINT_MATTE_OBJECT, names, 2, &matte, &err), GLINT_E_NOT_FOUND);
+    assert_int_equal(glint_render_matte(s.render, GLINT_MATTE_OBJECT, names, 2, &matte, &err),
+                     GLINT_E_NOT_FOUND);
     assert_null(matte);
     assert_string_equal(err.fault[0].pointer, "/name");
     assert_non_null(strstr(err.fault[0].detail, "nobody"));
@@ -65,8 +67,11 @@ static void totals_are_sums_over_the_frame(void **state)
         struct glint_matte_total *total;
         size_t count;
         double lost;
-        assert_int_equal(glint_render_mattes(s.render, layer, &total, &count, &lost, NULL), GLINT_OK);
-        assert_int_equal(count, layer == GLINT_MATTE_OBJECT ? 9 : layer == GLINT_MATTE_MATERIAL ? 3 : 1);
+        assert_int_equal(glint_render_mattes(s.render, layer, &total, &count, &lost, NULL),
+                         GLINT_OK);
+        assert_int_equal(count, layer == GLINT_MATTE_OBJECT     ? 9
+                                : layer == GLINT_MATTE_MATERIAL ? 3
+                                                                : 1);
         for (size_t n = 0; n < count; n++) {
             double sum = 0.0;
             for (size_t i = 0; i < pixels(s.frame); i++)
@@ -82,18 +87,24 @@ static void totals_are_sums_over_the_frame(void **state)
 // ---- manifests
 
 static const char names_scene[] =
-    "{\"materials\":{\"m\":{\"name\":\"seen m\"},\"n\":{\"name\":\"hidden m\"},\"k\":{\"name\":\"unused m\"}},"
+    "{\"materials\":{\"m\":{\"name\":\"seen m\"},\"n\":{\"name\":\"hidden "
+    "m\"},\"k\":{\"name\":\"unused m\"}},"
     "\"meshes\":{\"q\":{\"primitive\":\"quad\"}},"
-    "\"objects\":{\"1\":{\"name\":\"seen\",\"asset\":\"seen a\"},\"2\":{\"name\":\"hidden\",\"asset\":\"hidden a\"},"
-    "\"3\":{\"name\":\"unused\",\"asset\":\"unused a\"},\"4\":{\"name\":\"behind \\\"you\\\"\"},\"5\":{\"name\":\"\"}},"
+    "\"objects\":{\"1\":{\"name\":\"seen\",\"asset\":\"seen "
+    "a\"},\"2\":{\"name\":\"hidden\",\"asset\":\"hidden a\"},"
+    "\"3\":{\"name\":\"unused\",\"asset\":\"unused a\"},\"4\":{\"name\":\"behind "
+    "\\\"you\\\"\"},\"5\":{\"name\":\"\"}},"
     "\"lights\":{\"lamp\":{\"type\":\"area\",\"transform\":{\"translation\":[0,5,0]}}},"
     "\"instances\":{\"1\":{\"mesh\":\"q\",\"material\":\"m\",\"object\":\"1\"},"
     "\"2\":{\"mesh\":\"q\",\"material\":\"n\",\"object\":\"2\",\"visible\":false},"
-    "\"4\":{\"mesh\":\"q\",\"material\":\"m\",\"object\":\"4\",\"transform\":{\"translation\":[0,0,99]}},"
-    "\"5\":{\"mesh\":\"q\",\"material\":\"m\",\"object\":\"5\",\"transform\":{\"translation\":[2,0,0]}}},"
+    "\"4\":{\"mesh\":\"q\",\"material\":\"m\",\"object\":\"4\",\"transform\":{\"translation\":[0,0,"
+    "99]}},"
+    "\"5\":{\"mesh\":\"q\",\"material\":\"m\",\"object\":\"5\",\"transform\":{\"translation\":[2,0,"
+    "0]}}},"
     "\"cameras\":{\"eye\":{\"yfov\":0.9,\"transform\":{\"translation\":[0,0,4]}}}}";
 
-static const char names_job[] = "{\"scene\":\"s\",\"resolution\":[16,16],\"max_bounces\":0,\"stop\":{\"samples\":4}}";
+static const char names_job[] =
+    "{\"scene\":\"s\",\"resolution\":[16,16],\"max_bounces\":0,\"stop\":{\"samples\":4}}";
 
 static void assert_manifest(const struct glint_frame *f, const char *type, const char *want)
 {
@@ -134,7 +145,9 @@ static void name_that_is_not_seen_has_an_empty_matte(void **state)
     shoot(&s, scene, names_job);
     for (size_t i = 0; i < COUNT(unseen); i++) {
         struct glint_frame *matte = NULL;
-        assert_int_equal(glint_render_matte(s.render, GLINT_MATTE_OBJECT, &unseen[i], 1, &matte, NULL), GLINT_OK);
+        assert_int_equal(
+            glint_render_matte(s.render, GLINT_MATTE_OBJECT, &unseen[i], 1, &matte, NULL),
+            GLINT_OK);
         for (size_t p = 0; p < pixels(matte); p++)
             assert_true(glint_frame_find(matte, "A")[p] == 0.0f);
         glint_frame_destroy(&matte);

@@ -59,8 +59,11 @@ static void coverage_is_the_share_of_the_pixel_that_a_quad_covers(void **state)
 // Probability that a Blackman-Harris offset of full width 1.5 is below x: the window's integral.
 static double bell_below(double x)
 {
-    const double t = fmax(-1.0, fmin(1.0, x / 0.75)), a0 = 0.35875, a1 = 0.48829, a2 = 0.14128, a3 = 0.01168;
-    return 0.5 + 0.5 * (t + (a1 * sin(M_PI * t) + a2 / 2 * sin(2 * M_PI * t) + a3 / 3 * sin(3 * M_PI * t)) / (M_PI * a0));
+    const double t = fmax(-1.0, fmin(1.0, x / 0.75)), a0 = 0.35875, a1 = 0.48829, a2 = 0.14128,
+                 a3 = 0.01168;
+    return 0.5 + 0.5 * (t + (a1 * sin(M_PI * t) + a2 / 2 * sin(2 * M_PI * t) +
+                             a3 / 3 * sin(3 * M_PI * t)) /
+                                (M_PI * a0));
 }
 
 static void coverage_has_the_weights_of_the_pixel_filter(void **state)
@@ -69,12 +72,14 @@ static void coverage_has_the_weights_of_the_pixel_filter(void **state)
     const double edge = 0.3;
     const struct thing half = {"half", "m", "", edge - 50, 0, 0, 100, 100, NULL, false};
     struct shot s;
-    shoot_things(&s, &half, 1, "", "\"filter\":{\"kind\":\"blackman_harris\",\"width\":1.5},", 1024);
+    shoot_things(&s, &half, 1, "", "\"filter\":{\"kind\":\"blackman_harris\",\"width\":1.5},",
+                 1024);
     for (size_t x = 0; x < WIDTH; x++) {
         double sum = 0.0;
         for (size_t y = 0; y < HEIGHT; y++)
             sum += coverage_of(s.frame, "CryptoObject", "half", y * WIDTH + x);
-        assert_share(sum / HEIGHT, bell_below(edge - ((double)x + 0.5 - WIDTH / 2.0)), 1024 * HEIGHT);
+        assert_share(sum / HEIGHT, bell_below(edge - ((double)x + 0.5 - WIDTH / 2.0)),
+                     1024 * HEIGHT);
     }
     finish_shot(&s);
 }
@@ -159,11 +164,13 @@ static void coverages_of_every_pixel_sum_to_one(void **state)
 }
 
 // Sum over the names of the crowd's members that have a material, or an asset.
-static double sum_of_objects(const struct glint_frame *f, const char *material, const char *asset, size_t pixel)
+static double sum_of_objects(const struct glint_frame *f, const char *material, const char *asset,
+                             size_t pixel)
 {
     double sum = 0.0;
     for (size_t i = 0; i < CROWD - 2; i++) // the twins are not told apart
-        if ((!material || strcmp(crowd[i].material, material) == 0) && (!asset || strcmp(crowd[i].asset, asset) == 0))
+        if ((!material || strcmp(crowd[i].material, material) == 0) &&
+            (!asset || strcmp(crowd[i].asset, asset) == 0))
             sum += coverage_of(f, "CryptoObject", crowd[i].name, pixel);
     return sum;
 }
@@ -178,10 +185,13 @@ static void materials_and_assets_are_sums_of_their_objects(void **state)
         for (size_t m = 0; m < COUNT(material); m++)
             assert_float_equal(coverage_of(s.frame, "CryptoMaterial", material[m], i),
                                sum_of_objects(s.frame, material[m], NULL, i), 1e-6);
-        assert_float_equal(coverage_of(s.frame, "CryptoAsset", "set", i), sum_of_objects(s.frame, NULL, "set", i), 1e-6);
+        assert_float_equal(coverage_of(s.frame, "CryptoAsset", "set", i),
+                           sum_of_objects(s.frame, NULL, "set", i), 1e-6);
         // What belongs to no asset is 0, as the background is.
         assert_float_equal(coverage_of_id(s.frame, "CryptoAsset", 0, i),
-                           coverage_of_id(s.frame, "CryptoObject", 0, i) + sum_of_objects(s.frame, NULL, "", i), 1e-6);
+                           coverage_of_id(s.frame, "CryptoObject", 0, i) +
+                               sum_of_objects(s.frame, NULL, "", i),
+                           1e-6);
     }
     finish_shot(&s);
 }
@@ -194,14 +204,17 @@ static void objects_with_equal_names_share_one_matte(void **state)
     struct shot s;
     shoot_things(&s, pair, 2, "", BOX, 1024);
     for (size_t i = 0; i < pixels(s.frame); i++) {
-        assert_share(coverage_of(s.frame, "CryptoObject", "twin", i), share_of(i, &pair[0]) + share_of(i, &pair[1]), 1024);
-        assert_false(rank_id(s.frame, "CryptoObject", 0, i) == rank_id(s.frame, "CryptoObject", 1, i)
-                     && rank_coverage(s.frame, "CryptoObject", 1, i) > 0.0f);
+        assert_share(coverage_of(s.frame, "CryptoObject", "twin", i),
+                     share_of(i, &pair[0]) + share_of(i, &pair[1]), 1024);
+        assert_false(rank_id(s.frame, "CryptoObject", 0, i) ==
+                         rank_id(s.frame, "CryptoObject", 1, i) &&
+                     rank_coverage(s.frame, "CryptoObject", 1, i) > 0.0f);
     }
     struct glint_matte_total *total;
     size_t count;
     double lost;
-    assert_int_equal(glint_render_mattes(s.render, GLINT_MATTE_OBJECT, &total, &count, &lost, NULL), GLINT_OK);
+    assert_int_equal(glint_render_mattes(s.render, GLINT_MATTE_OBJECT, &total, &count, &lost, NULL),
+                     GLINT_OK);
     assert_int_equal(count, 1);
     assert_string_equal(total->name, "twin");
     assert_float_equal(total->coverage, 6.5 * 4 + 5 * 4, 0.05);
@@ -221,9 +234,12 @@ static void equal_coverages_are_ranked_by_the_bits_of_their_ids(void **state)
                                     {"default", "m", "", -20, -20, 0, 40, 40, NULL, false}};
     struct shot s;
     glint_resident *scene = load_things(quarter, 3, "");
-    shoot(&s, scene, "{\"scene\":\"s\",\"resolution\":[5,3]," BOX "\"max_bounces\":0,\"stop\":{\"samples\":128}}");
+    shoot(&s, scene,
+          "{\"scene\":\"s\",\"resolution\":[5,3]," BOX
+          "\"max_bounces\":0,\"stop\":{\"samples\":128}}");
     const size_t middle = 7;
-    static const uint32_t ascending[] = {0, 0x13851a76, 0x42c9679f, 0xf19c73fd}; // CONVENTIONS' table
+    static const uint32_t ascending[] = {0, 0x13851a76, 0x42c9679f,
+                                         0xf19c73fd}; // CONVENTIONS' table
     for (uint32_t k = 0; k < 4; k++) {
         assert_true(rank_coverage(s.frame, "CryptoObject", k, middle) == 0.25f);
         assert_int_equal(rank_id(s.frame, "CryptoObject", k, middle), ascending[k]);
@@ -263,7 +279,8 @@ static void fewer_levels_are_the_first_ranks_of_more_whatever_the_slots(void **s
         for (uint32_t levels = 1; levels <= 16 && 2 * levels <= slots[n]; levels++) {
             char members[64];
             struct shot s;
-            snprintf(members, sizeof members, "\"mattes\":{\"levels\":%u,\"slots\":%u},", levels, slots[n]);
+            snprintf(members, sizeof members, "\"mattes\":{\"levels\":%u,\"slots\":%u},", levels,
+                     slots[n]);
             shoot_things(&s, crowd, things, LENS, members, 32);
             assert_true(lost_in(&s) == 0.0);
             assert_null(layer_plane(s.frame, "CryptoObject", (levels + 1) / 2 * 2, false));
@@ -272,8 +289,8 @@ static void fewer_levels_are_the_first_ranks_of_more_whatever_the_slots(void **s
                     const bool written = k < levels;
                     assert_int_equal(rank_id(s.frame, "CryptoObject", k, i),
                                      written ? rank_id(full.frame, "CryptoObject", k, i) : 0);
-                    assert_true(rank_coverage(s.frame, "CryptoObject", k, i)
-                                == (written ? rank_coverage(full.frame, "CryptoObject", k, i) : 0.0f));
+                    assert_true(rank_coverage(s.frame, "CryptoObject", k, i) ==
+                                (written ? rank_coverage(full.frame, "CryptoObject", k, i) : 0.0f));
                 }
             finish_shot(&s);
         }
@@ -295,9 +312,12 @@ static void shoot_strips(struct shot *s, size_t first, size_t named, const char 
         // A frame of one pixel is 16 units wide; the outer strips reach beyond it.
         const double left = i == 0 ? -20.0 : -8.0 + 16.0 * (double)i / STRIPS;
         const double right = i == STRIPS - 1 ? 20.0 : -8.0 + 16.0 * (double)(i + 1) / STRIPS;
-        strip[i] = (struct thing){name[i], "m", "", (left + right) / 2, 0, 0, right - left, 40, NULL, false};
+        strip[i] = (struct thing){name[i], "m",  "",   (left + right) / 2, 0, 0, right - left,
+                                  40,      NULL, false};
     }
-    snprintf(job, sizeof job, "{\"scene\":\"s\",\"resolution\":[1,1]," BOX "%s\"max_bounces\":0,\"stop\":{\"samples\":1000}}",
+    snprintf(job, sizeof job,
+             "{\"scene\":\"s\",\"resolution\":[1,1]," BOX
+             "%s\"max_bounces\":0,\"stop\":{\"samples\":1000}}",
              mattes);
     glint_resident *scene = load_things(strip, STRIPS, "");
     shoot(s, scene, job);
@@ -310,7 +330,8 @@ static double strip_totals(const struct shot *s, double covered[STRIPS])
     struct glint_matte_total *total;
     size_t count;
     double lost;
-    assert_int_equal(glint_render_mattes(s->render, GLINT_MATTE_OBJECT, &total, &count, &lost, NULL), GLINT_OK);
+    assert_int_equal(
+        glint_render_mattes(s->render, GLINT_MATTE_OBJECT, &total, &count, &lost, NULL), GLINT_OK);
     for (size_t i = 0; i < count; i++)
         if (total[i].name[0] == 's')
             covered[atoi(total[i].name + 1)] = total[i].coverage;

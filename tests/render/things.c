@@ -10,11 +10,16 @@
 #include <string.h>
 
 const struct thing crowd[CROWD] = {
-    {"a", "red", "set", -6, 3, 1, 7, 5, NULL, false},      {"b", "green", "", -3, 2, 2, 6, 6, NULL, false},
-    {"c", "blue", "set", 0, 1, -3, 9, 7, NULL, false},     {"d", "red", "", 3, 0, 3, 5, 5, NULL, false},
-    {"e", "green", "set", 5, -2, 0, 8, 4, NULL, false},    {"f", "blue", "", -5, -4, 1.5, 6, 5, NULL, false},
-    {"g", "red", "set", 0.4, -3, 2.5, 3, 8, NULL, false},  {"h", "green", "", 7, 4, -2, 6, 6, NULL, false},
-    {"twin", "blue", "set", 8, -5, 4, 4, 3, NULL, false},  {"twin", "red", "", -8, 6, 4, 4, 3, NULL, false},
+    {"a", "red", "set", -6, 3, 1, 7, 5, NULL, false},
+    {"b", "green", "", -3, 2, 2, 6, 6, NULL, false},
+    {"c", "blue", "set", 0, 1, -3, 9, 7, NULL, false},
+    {"d", "red", "", 3, 0, 3, 5, 5, NULL, false},
+    {"e", "green", "set", 5, -2, 0, 8, 4, NULL, false},
+    {"f", "blue", "", -5, -4, 1.5, 6, 5, NULL, false},
+    {"g", "red", "set", 0.4, -3, 2.5, 3, 8, NULL, false},
+    {"h", "green", "", 7, 4, -2, 6, 6, NULL, false},
+    {"twin", "blue", "set", 8, -5, 4, 4, 3, NULL, false},
+    {"twin", "red", "", -8, 6, 4, 4, 3, NULL, false},
 };
 
 struct offline things_crew;
@@ -40,14 +45,18 @@ static void put_thing(FILE *to, const struct thing *t, size_t i, const char *par
         fprintf(to, "\"p\":{\"data\":\"%s\"}", t->image);
     else if (strcmp(part, "materials") == 0)
         fprintf(to, "%s\"m%zu\":{\"name\":\"%s\"%s}", comma, i, t->material,
-                t->image ? ",\"alpha_mode\":\"mask\",\"base_color_texture\":{\"image\":\"p\"}" : "");
+                t->image ? ",\"alpha_mode\":\"mask\",\"base_color_texture\":{\"image\":\"p\"}"
+                         : "");
     else if (strcmp(part, "meshes") == 0)
-        fprintf(to, "%s\"q%zu\":{\"primitive\":\"quad\",\"size\":[%.17g,%.17g]}", comma, i, t->w, t->h);
+        fprintf(to, "%s\"q%zu\":{\"primitive\":\"quad\",\"size\":[%.17g,%.17g]}", comma, i, t->w,
+                t->h);
     else if (strcmp(part, "objects") == 0)
-        fprintf(to, "%s\"o%zu\":{\"name\":\"%s\",\"asset\":\"%s\"}", comma, i, t->name, t->asset ? t->asset : "");
+        fprintf(to, "%s\"o%zu\":{\"name\":\"%s\",\"asset\":\"%s\"}", comma, i, t->name,
+                t->asset ? t->asset : "");
     else if (strcmp(part, "instances") == 0)
         fprintf(to,
-                "%s\"i%zu\":{\"mesh\":\"q%zu\",\"material\":\"m%zu\",\"object\":\"o%zu\",\"visible\":%s,"
+                "%s\"i%zu\":{\"mesh\":\"q%zu\",\"material\":\"m%zu\",\"object\":\"o%zu\","
+                "\"visible\":%s,"
                 "\"transform\":{\"translation\":[%.17g,%.17g,%.17g]}}",
                 comma, i, i, i, i, t->hidden ? "false" : "true", t->x, t->y, t->z);
 }
@@ -66,8 +75,10 @@ glint_resident *load_things(const struct thing *t, size_t n, const char *lens)
         fputs("},", to);
     }
     // 2 atan(1/2): at distance 16 the frame is 16 high.
-    fprintf(to, "\"environment\":{},\"cameras\":{\"eye\":{\"yfov\":0.92729521800161219%s,"
-                "\"transform\":{\"translation\":[0,0,16]}}}}", lens);
+    fprintf(to,
+            "\"environment\":{},\"cameras\":{\"eye\":{\"yfov\":0.92729521800161219%s,"
+            "\"transform\":{\"translation\":[0,0,16]}}}}",
+            lens);
     fclose(to);
     glint_resident *scene = offline_load_text(&things_crew, text);
     free(text);
@@ -94,13 +105,14 @@ void finish_shot(struct shot *s)
     glint_job_destroy(&s->job);
 }
 
-void shoot_things(struct shot *s, const struct thing *t, size_t n, const char *lens, const char *members,
-                         uint32_t samples)
+void shoot_things(struct shot *s, const struct thing *t, size_t n, const char *lens,
+                  const char *members, uint32_t samples)
 {
     char job[512];
-    snprintf(job, sizeof job,
-             "{\"scene\":\"s\",\"resolution\":[%d,%d],%s\"max_bounces\":0,\"stop\":{\"samples\":%u}}", WIDTH, HEIGHT,
-             members, samples);
+    snprintf(
+        job, sizeof job,
+        "{\"scene\":\"s\",\"resolution\":[%d,%d],%s\"max_bounces\":0,\"stop\":{\"samples\":%u}}",
+        WIDTH, HEIGHT, members, samples);
     glint_resident *scene = load_things(t, n, lens);
     shoot(s, scene, job);
     glint_resident_release(&scene);
@@ -111,14 +123,16 @@ double lost_in(const struct shot *s)
     struct glint_matte_total *total;
     size_t count;
     double lost;
-    assert_int_equal(glint_render_mattes(s->render, GLINT_MATTE_OBJECT, &total, &count, &lost, NULL), GLINT_OK);
+    assert_int_equal(
+        glint_render_mattes(s->render, GLINT_MATTE_OBJECT, &total, &count, &lost, NULL), GLINT_OK);
     free(total);
     return lost;
 }
 
 // ---- a decoder of its own
 
-const float *layer_plane(const struct glint_frame *f, const char *type, uint32_t rank, bool coverage)
+const float *layer_plane(const struct glint_frame *f, const char *type, uint32_t rank,
+                         bool coverage)
 {
     char name[40];
     snprintf(name, sizeof name, "%s%02u.%c", type, rank / 2, "RGBA"[rank % 2 * 2 + coverage]);

@@ -45,8 +45,8 @@ struct shot {
 
 void shoot(struct shot *s, glint_resident *scene, const char *job);
 // A frame of WIDTH x HEIGHT. members: more of the job, each ending with a comma.
-void shoot_things(struct shot *s, const struct thing *t, size_t n, const char *lens, const char *members,
-                  uint32_t samples);
+void shoot_things(struct shot *s, const struct thing *t, size_t n, const char *lens,
+                  const char *members, uint32_t samples);
 void finish_shot(struct shot *s);
 
 // Pixels of coverage that found no slot.
@@ -54,7 +54,8 @@ double lost_in(const struct shot *s);
 
 size_t pixels(const struct glint_frame *f);
 // ID or coverage of a rank of type "CryptoObject" and so on; NULL beyond the last layer.
-const float *layer_plane(const struct glint_frame *f, const char *type, uint32_t rank, bool coverage);
+const float *layer_plane(const struct glint_frame *f, const char *type, uint32_t rank,
+                         bool coverage);
 uint32_t rank_id(const struct glint_frame *f, const char *type, uint32_t rank, size_t pixel);
 float rank_coverage(const struct glint_frame *f, const char *type, uint32_t rank, size_t pixel);
 // Sum over the ranks.
