@@ -36,9 +36,10 @@ glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_s
 // Stops after the slices out now; every job that has not ended becomes cancelled.
 void glint_jobs_destroy(glint_jobs **jobs);
 
-// Called on every change of any job (state, new pixels), from the scheduler thread; must not block
-// and must not call back, but for describe, list, view, release and stats. When this returns the
-// one before is not running and will not be called again; NULL: none.
+// Called after every change of any job, from the scheduler thread: at once when a state changes, at
+// most a hundred times a second for new pixels, never before they are there. It must not block,
+// and of this header it may call describe, list, view, release and stats only. When this returns
+// the one before is not running and will not be called again; NULL: none.
 void glint_jobs_on_change(glint_jobs *jobs, void (*changed)(void *user), void *user);
 
 // Takes `job` on success. The scene's current revision is pinned now. key: Idempotency-Key or

@@ -13,7 +13,8 @@
 
 #define COMMAND_ROOM 256 // in the inbox, beside one answer for each order that can be out
 #define GIB (1024.0 * 1024 * 1024)
-#define FIRST_SLICE 0.02 // seconds, the guess until a slice was measured
+#define FIRST_SLICE 0.02   // seconds, the guess until a slice was measured
+#define PIXEL_SECONDS 0.01 // between calls of `changed` for new pixels: slices may be shorter
 
 struct glint_scheduler {
     struct glint_job_table *table;
@@ -28,7 +29,9 @@ struct glint_scheduler {
     size_t lives;
     uint32_t *load; // [workers] orders out
     bool preparing; // the preparer has an order
-    bool news;      // something to tell `changed`
+    bool news;      // a state or description is another: `changed` is called at once
+    bool pixels;    // new pixels: `changed` is called PIXEL_SECONDS after it was the last time
+    double told;    // glint_now() of that
     void (*changed)(void *user);
     void *user;
     bool stopping;
@@ -327,7 +330,7 @@ static void returned(glint_scheduler *s, struct glint_message *m)
     glint_render_give_back(e->render, &m->slice, !m->status);
     glint_state_slice(s->table, e, m->seconds);
     glint_turn_charge(e, m->seconds);
-    s->news = true;
+    s->pixels = true;
     if (m->status)
         fail(s, e, &m->error);
     if (e->end != GLINT_JOB_QUEUED && !e->out && !glint_state_ended(e->state))
@@ -434,12 +437,30 @@ static void fail_stuck(glint_scheduler *s)
     }
 }
 
+static void tell(glint_scheduler *s)
+{
+    const double now = glint_now();
+    if (!s->news && (!s->pixels || now < s->told + PIXEL_SECONDS))
+        return;
+    s->news = s->pixels = false;
+    s->told = now;
+    if (s->changed)
+        s->changed(s->user);
+}
+
+// When it must act though no message comes.
+static double wake_up(const glint_scheduler *s)
+{
+    const double deadline = next_deadline(s);
+    return s->pixels ? fmin(deadline, s->told + PIXEL_SECONDS) : deadline;
+}
+
 static void *run(void *arg)
 {
     glint_scheduler *s = arg;
     struct glint_message message;
     while (!s->stopping || s->lives) {
-        if (glint_queue_pop_until(s->inbox, &message, next_deadline(s)))
+        if (glint_queue_pop_until(s->inbox, &message, wake_up(s)))
             do
                 handle(s, &message);
             while (glint_queue_poll(s->inbox, &message));
@@ -447,9 +468,7 @@ static void *run(void *arg)
         prepare_next(s);
         dispatch(s);
         fail_stuck(s);
-        if (s->news && s->changed)
-            s->changed(s->user);
-        s->news = false;
+        tell(s);
     }
     return NULL;
 }
