@@ -1,5 +1,6 @@
 #include "http/answer.h"
 
+#include "base/log.h"
 #include "http/range.h"
 #include "http/routes.h"
 #include "protocol/problem.h"
@@ -166,7 +167,11 @@ static void answer_problem(struct glint_request *r, int status, char *text)
 void glint_answer_error(struct glint_request *r, struct glint_error *err)
 {
     assert(err->count);
-    answer_problem(r, glint_status_http(err->status), glint_problem_text(err, r->url, r->id));
+    const int status = glint_status_http(err->status);
+    if (status >= 500 && err->status != GLINT_E_BUSY)
+        glint_log(GLINT_LOG_WARNING, "http", NULL, r->id, "%s: %s", r->url ? r->url : "",
+                  glint_error_text(err));
+    answer_problem(r, status, glint_problem_text(err, r->url, r->id));
     glint_error_finish(err);
 }
 

@@ -68,8 +68,8 @@ static void run(struct glint_task *task)
 
 static bool due(struct glint_request *r)
 {
-    return atomic_load_explicit(&r->left, memory_order_relaxed) ||
-           glint_http_draining(r->http) || glint_http_job_ended(r->http, r->argument[0]);
+    return atomic_load_explicit(&r->left, memory_order_relaxed) || glint_http_draining(r->http) ||
+           glint_http_job_ended(r->http, r->argument[0]);
 }
 
 // Unlinks the parked requests that are due and returns them as a list.
@@ -139,8 +139,8 @@ static enum MHD_Result start(glint_http *h, struct MHD_Connection *connection, c
         refuse_busy(r, "too many connections");
         r->close = true;
     }
-    const bool body = glint_request_header(r, "Content-Length") ||
-                      glint_request_header(r, "Transfer-Encoding");
+    const bool body =
+        glint_request_header(r, "Content-Length") || glint_request_header(r, "Transfer-Encoding");
     glint_watch_deadline(h->watch, r->client, body ? GLINT_BODY_SECONDS : INFINITY);
     if (!r->status || !body)
         return MHD_YES;

@@ -12,7 +12,7 @@
 #include <string.h>
 #include <time.h>
 
-#define RING 64
+#define RING 256
 #define MAX_TOPICS 64 // that nobody reads just now
 #define PROGRESS_SECONDS 0.25
 #define PING_SECONDS 15.0
@@ -27,7 +27,7 @@ struct topic {
     char job[GLINT_JOB_ID_BYTES];
     unsigned readers; // guarded by the topics' mutex
 
-    pthread_mutex_t mutex; // guards the rest
+    pthread_mutex_t mutex;   // guards the rest
     struct event ring[RING]; // event `id` is ring[id % RING]
     uint64_t last;           // id of the newest
     uint64_t count;          // events so far
@@ -161,8 +161,8 @@ static double number(const cJSON *job, const char *name)
 
 static void publish_progress(struct topic *t, const cJSON *job)
 {
-    static const char *const members[] = {"state", "samples", "progress", "error", "seconds",
-                                          "eta_seconds"};
+    static const char *const members[] = {"state", "samples", "progress",
+                                          "error", "seconds", "eta_seconds"};
     const double samples = number(job, "samples"), progress = number(job, "progress");
     const double now = glint_now();
     if ((samples == t->samples && progress == t->progress) ||
@@ -232,8 +232,8 @@ static cJSON *look(glint_http *h, struct topic *t)
 static void send_event(struct events *s, uint64_t id, const char *name, const char *data)
 {
     char head[96];
-    const int n = snprintf(head, sizeof head, "id: %llu\nevent: %s\ndata: ",
-                           (unsigned long long)id, name);
+    const int n =
+        snprintf(head, sizeof head, "id: %llu\nevent: %s\ndata: ", (unsigned long long)id, name);
     glint_stream_add(&s->stream, head, (size_t)n);
     glint_stream_add(&s->stream, data, strlen(data));
     glint_stream_add(&s->stream, "\n\n", 2);

@@ -16,11 +16,11 @@ struct wish {
     int layout;       // enum glint_exr_layout
     int tonemap;
     double exposure;
-    bool picture;     // PNG
+    bool picture; // PNG
 };
 
-static void read_output(const char *name, size_t length, const char *parameter,
-                        uint32_t *outputs, struct glint_error *err)
+static void read_output(const char *name, size_t length, const char *parameter, uint32_t *outputs,
+                        struct glint_error *err)
 {
     char text[32];
     snprintf(text, sizeof text, "%.*s", (int)(length < 31 ? length : 31), name);
@@ -44,8 +44,8 @@ static void read_outputs(struct glint_request *r, uint32_t *outputs, struct glin
     }
 }
 
-static bool check_outputs(struct glint_request *r, const struct glint_job *job,
-                          struct wish *wish, const char *parameter)
+static bool check_outputs(struct glint_request *r, const struct glint_job *job, struct wish *wish,
+                          const char *parameter)
 {
     struct glint_error err = {0};
     for (uint32_t bit = 1; bit && bit <= wish->outputs; bit <<= 1)
@@ -63,8 +63,8 @@ static bool check_outputs(struct glint_request *r, const struct glint_job *job,
 static glint_status encode_exr(const struct glint_frame *frame, const struct wish *wish,
                                uint8_t **bytes, size_t *size, struct glint_error *err)
 {
-    const struct glint_exr_options options = {
-        .compression = GLINT_EXR_ZIP, .layout = (enum glint_exr_layout)wish->layout};
+    const struct glint_exr_options options = {.compression = GLINT_EXR_ZIP,
+                                              .layout = (enum glint_exr_layout)wish->layout};
     return glint_exr_write(frame, &options, bytes, size, NULL, err);
 }
 
@@ -83,7 +83,7 @@ static struct glint_blob *encode(struct glint_request *r, const struct glint_job
     else if (!st)
         st = encode_exr(frame, wish, &bytes, &size, &err);
     glint_frame_destroy(&frame);
-    struct glint_blob *blob = st                          ? NULL
+    struct glint_blob *blob = st                         ? NULL
                               : glint_pixels_final(view) ? glint_blob_digest(bytes, size)
                                                          : glint_blob_take(bytes, size);
     if (st)

@@ -79,8 +79,8 @@ static void on_connection(void *user, struct MHD_Connection *connection, void **
     }
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-    *client = (void *)(uintptr_t)glint_watch_add(h->watch, info->connect_fd,
-                                                 h->limits.header_seconds);
+    *client =
+        (void *)(uintptr_t)glint_watch_add(h->watch, info->connect_fd, h->limits.header_seconds);
 }
 
 // The library decodes paths and queries for callers that cannot tell %2F from a slash; we can.
@@ -132,8 +132,11 @@ static void set_limits(struct glint_http_limits *l)
 
 static glint_status start_lanes(glint_http *h, struct glint_error *err)
 {
-    static const struct { enum glint_lane lane; const char *name; unsigned threads, capacity; }
-    table[] = {
+    static const struct {
+        enum glint_lane lane;
+        const char *name;
+        unsigned threads, capacity;
+    } table[] = {
         {GLINT_LANE_CALL, "http-call", 2, 256},
         {GLINT_LANE_LOAD, "http-load", 2, 16},
         {GLINT_LANE_FRAME, "http-frame", 2, 64},
@@ -165,8 +168,8 @@ static void start_metrics(glint_http *h)
         h->answers[i] = glint_metrics_counter(m, "http_answers_total",
                                               "Answers by class of status.", &label, 1);
     }
-    h->received = glint_metrics_counter(m, "http_received_bytes_total",
-                                        "Bytes of request bodies.", NULL, 0);
+    h->received =
+        glint_metrics_counter(m, "http_received_bytes_total", "Bytes of request bodies.", NULL, 0);
     h->open_connections = glint_metrics_gauge(m, "http_connections", "Open connections.", NULL, 0);
     h->open_streams = glint_metrics_gauge(m, "http_streams", "Open streams.", NULL, 0);
     glint_metrics_on_read(m, refresh_metrics, h);
@@ -180,25 +183,19 @@ static glint_status start_library(glint_http *h, int fd, struct glint_error *err
     const unsigned most = LIBRARY_THREADS * (2 * h->limits.connections + 16);
     fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
     h->mhd = MHD_start_daemon(
-        flags, 0, NULL, NULL, glint_dispatch_request, h,
-        MHD_OPTION_EXTERNAL_LOGGER, log_library, NULL,
-        MHD_OPTION_LISTEN_SOCKET, fd,
-        MHD_OPTION_THREAD_POOL_SIZE, (unsigned)LIBRARY_THREADS,
-        MHD_OPTION_CONNECTION_LIMIT, most,
-        MHD_OPTION_CONNECTION_MEMORY_LIMIT, CONNECTION_BYTES,
+        flags, 0, NULL, NULL, glint_dispatch_request, h, MHD_OPTION_EXTERNAL_LOGGER, log_library,
+        NULL, MHD_OPTION_LISTEN_SOCKET, fd, MHD_OPTION_THREAD_POOL_SIZE, (unsigned)LIBRARY_THREADS,
+        MHD_OPTION_CONNECTION_LIMIT, most, MHD_OPTION_CONNECTION_MEMORY_LIMIT, CONNECTION_BYTES,
         MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)(h->limits.idle_seconds + 0.999),
-        MHD_OPTION_NOTIFY_COMPLETED, glint_dispatch_completed, h,
-        MHD_OPTION_NOTIFY_CONNECTION, on_connection, h,
-        MHD_OPTION_UNESCAPE_CALLBACK, leave_escaped, h,
-        MHD_OPTION_END);
+        MHD_OPTION_NOTIFY_COMPLETED, glint_dispatch_completed, h, MHD_OPTION_NOTIFY_CONNECTION,
+        on_connection, h, MHD_OPTION_UNESCAPE_CALLBACK, leave_escaped, h, MHD_OPTION_END);
     return h->mhd ? GLINT_OK : glint_fail(err, GLINT_E_IO, "", "the HTTP library does not start");
 }
 
 glint_status glint_http_create(glint_http **out, const struct glint_http_params *params,
                                struct glint_error *err)
 {
-    assert(out && params && params->jobs && params->store && params->devices &&
-           params->metrics);
+    assert(out && params && params->jobs && params->store && params->devices && params->metrics);
     *out = NULL;
     glint_http *h = calloc(1, sizeof *h);
     if (!h)

@@ -19,11 +19,11 @@
 typedef struct glint_http glint_http;
 
 struct glint_http_limits {
-    size_t job_bytes;     // a job's JSON, 0: 1 MiB
-    size_t scene_bytes;   // a scene's body, 0: 2 GiB
-    size_t spool_bytes;   // all bodies under way together, 0: twice scene_bytes
-    uint32_t connections; // 0: 512; more are answered 503
-    uint32_t streams;     // tiles and events together, 0: 128; more are answered 503
+    size_t job_bytes;      // a job's JSON, 0: 1 MiB
+    size_t scene_bytes;    // a scene's body, 0: 2 GiB
+    size_t spool_bytes;    // all bodies under way together, 0: twice scene_bytes
+    uint32_t connections;  // 0: 512; more are answered 503
+    uint32_t streams;      // tiles and events together, 0: 128; more are answered 503
     double header_seconds; // for a request's header to be complete, 0: 10
     double idle_seconds;   // without a byte either way, 0: 60
 };
@@ -34,7 +34,7 @@ struct glint_http_params {
     glint_store *store;
     glint_devices *devices;
     glint_metrics *metrics; // what GET /metrics writes; requests are counted into it
-    const char *version; // of the program, for GET /v1; outlives the server
+    const char *version;    // of the program, for GET /v1; outlives the server
     struct glint_http_limits limits;
 };
 

@@ -30,8 +30,8 @@ static glint_status add_layer(cJSON *layers, glint_render *render, int layer,
     struct glint_matte_total *total = NULL;
     size_t count = 0;
     double lost = 0;
-    const glint_status st = glint_render_mattes(render, (enum glint_matte_layer)layer, &total,
-                                                &count, &lost, err);
+    const glint_status st =
+        glint_render_mattes(render, (enum glint_matte_layer)layer, &total, &count, &lost, err);
     if (st)
         return st;
     cJSON *o = cJSON_AddObjectToObject(layers, layer_name[layer]);
@@ -67,6 +67,20 @@ void glint_http_mattes_list(struct glint_request *r)
     }
 }
 
+// What was wrong with /layer and /name was wrong with the query, which has no pointers.
+static void answer_query_error(struct glint_request *r, struct glint_error *render)
+{
+    struct glint_error err = {0};
+    for (size_t i = 0; i < render->count; i++) {
+        const struct glint_fault *f = &render->fault[i];
+        const bool named = f->pointer[0] == '/';
+        glint_fail(&err, render->status, "", "%s%s%s", named ? f->pointer + 1 : "",
+                   named ? ": " : "", f->detail);
+    }
+    glint_error_finish(render);
+    glint_answer_error(r, &err);
+}
+
 // The union matte that the query asks for; NULL: there is an answer, or the request waits.
 static struct glint_frame *open_matte(struct glint_request *r)
 {
@@ -87,13 +101,13 @@ static struct glint_frame *open_matte(struct glint_request *r)
     if (!glint_pixels_open(r, &view, &err))
         return NULL;
     if (glint_render_matte(view.render, (enum glint_matte_layer)layer, name, names, &frame, &err))
-        glint_answer_error(r, &err);
+        answer_query_error(r, &err);
     glint_jobs_release(r->http->jobs, &view);
     return frame;
 }
 
-static void answer_matte(struct glint_request *r, glint_status st, const char *type,
-                         uint8_t *bytes, size_t size, struct glint_error *err)
+static void answer_matte(struct glint_request *r, glint_status st, const char *type, uint8_t *bytes,
+                         size_t size, struct glint_error *err)
 {
     if (st)
         glint_answer_error(r, err);
@@ -103,8 +117,8 @@ static void answer_matte(struct glint_request *r, glint_status st, const char *t
 
 void glint_http_mattes_exr(struct glint_request *r)
 {
-    static const struct glint_exr_options options = {
-        .compression = GLINT_EXR_ZIP, .layout = GLINT_EXR_SINGLE};
+    static const struct glint_exr_options options = {.compression = GLINT_EXR_ZIP,
+                                                     .layout = GLINT_EXR_SINGLE};
     struct glint_error err = {0};
     struct glint_frame *frame = open_matte(r);
     uint8_t *bytes = NULL;
@@ -124,8 +138,8 @@ void glint_http_mattes_png(struct glint_request *r)
     size_t size = 0;
     if (!frame)
         return;
-    const glint_status st = glint_png_coverage(frame->channel[0].plane, frame->width,
-                                               frame->height, &bytes, &size, &err);
+    const glint_status st = glint_png_coverage(frame->channel[0].plane, frame->width, frame->height,
+                                               &bytes, &size, &err);
     glint_frame_destroy(&frame);
     answer_matte(r, st, "image/png", bytes, size, &err);
 }
@@ -160,8 +174,8 @@ static glint_status pick_layer(cJSON *out, glint_render *render, const struct gl
     struct glint_matte_total *total = NULL;
     size_t count = 0;
     double lost;
-    const glint_status st = glint_render_mattes(render, (enum glint_matte_layer)layer, &total,
-                                                &count, &lost, err);
+    const glint_status st =
+        glint_render_mattes(render, (enum glint_matte_layer)layer, &total, &count, &lost, err);
     if (st)
         return st;
     cJSON *list = cJSON_AddArrayToObject(out, layer_name[layer]);

@@ -48,8 +48,7 @@ static glint_status paint_ids(const struct glint_frame *frame, const char *type,
         const float *plane[2];
         for (int k = 0; k < 2; k++) {
             char name[32];
-            snprintf(name, sizeof name, "%s%02d.%c", type, rank / 2,
-                     component[2 * (rank % 2) + k]);
+            snprintf(name, sizeof name, "%s%02d.%c", type, rank / 2, component[2 * (rank % 2) + k]);
             plane[k] = glint_frame_find(frame, name);
         }
         if (!plane[0] || !plane[1])
@@ -59,10 +58,13 @@ static glint_status paint_ids(const struct glint_frame *frame, const char *type,
     }
 }
 
+// Undoes the transfer curve that follows: without exposure the bytes are those of a normal map.
 static void paint_normal(float *rgb, size_t values)
 {
-    for (size_t i = 0; i < values; i++)
-        rgb[i] = 0.5f * rgb[i] + 0.5f;
+    for (size_t i = 0; i < values; i++) {
+        const float shown = fmaxf(0.5f * rgb[i] + 0.5f, 0);
+        rgb[i] = shown <= 0.04045f ? shown / 12.92f : powf((shown + 0.055f) / 1.055f, 2.4f);
+    }
 }
 
 static void paint_depth(float *grey, size_t pixels)
@@ -122,8 +124,11 @@ glint_status glint_picture_encode(const struct glint_frame *frame, uint32_t outp
     float *rgb = calloc(pixels, 3 * sizeof *rgb);
     if (!rgb)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a picture");
-    struct glint_png_image image = {.width = frame->width, .height = frame->height,
-        .red = rgb, .green = rgb + pixels, .blue = rgb + 2 * pixels};
+    struct glint_png_image image = {.width = frame->width,
+                                    .height = frame->height,
+                                    .red = rgb,
+                                    .green = rgb + pixels,
+                                    .blue = rgb + 2 * pixels};
     const struct glint_png_options options = {.exposure = exposure, .tonemap = tonemap};
     glint_status st = paint(frame, output, rgb, &image.alpha, err);
     if (!st)

@@ -1,7 +1,7 @@
 // picture.h - any one output of a frame as a picture for the eye.
 //
 // Colour goes through exposure, tone curve and sRGB. What is no colour is first made one: normals
-// as (n + 1) / 2, depth from near (white) to far, samples relative to the most, and ID layers as
+// as in a normal map, depth from near (white) to far, samples relative to the most, and ID layers as
 // the colours of their names weighted by coverage.
 //
 // Thread-safety: reentrant.

@@ -19,8 +19,7 @@ static bool number(const char **p, unsigned long long *out)
     return !errno;
 }
 
-enum glint_range_verdict glint_range_parse(const char *header, size_t size,
-                                           struct glint_range *out)
+enum glint_range_verdict glint_range_parse(const char *header, size_t size, struct glint_range *out)
 {
     unsigned long long first, last;
     if (strncasecmp(header, "bytes=", 6))

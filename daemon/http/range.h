@@ -6,7 +6,9 @@
 
 #include <stddef.h>
 
-struct glint_range { size_t first, length; };
+struct glint_range {
+    size_t first, length;
+};
 
 enum glint_range_verdict {
     GLINT_RANGE_WHOLE,   // not understood, or several: the header is ignored, as it may be

@@ -133,10 +133,10 @@ static void check_query(struct glint_request *r, struct glint_error *err)
 static bool local_host(const char *host)
 {
     const size_t digits = strspn(host, "0123456789.");
-    const size_t n = !strncasecmp(host, "localhost", 9)     ? 9
-                     : !strncmp(host, "[::1]", 5)           ? 5
-                     : !strncmp(host, "127.", 4)            ? digits
-                                                            : 0;
+    const size_t n = !strncasecmp(host, "localhost", 9) ? 9
+                     : !strncmp(host, "[::1]", 5)       ? 5
+                     : !strncmp(host, "127.", 4)        ? digits
+                                                        : 0;
     return n && (!host[n] || host[n] == ':');
 }
 
@@ -185,8 +185,7 @@ static void check_header(struct glint_request *r, const char *url, const char *m
 }
 
 struct glint_request *glint_request_create(glint_http *http, struct MHD_Connection *connection,
-                                           const char *url, const char *method,
-                                           const char *version)
+                                           const char *url, const char *method, const char *version)
 {
     struct glint_request *r = calloc(1, sizeof *r);
     if (!r)
@@ -282,8 +281,8 @@ void glint_query_integer(const struct glint_request *r, const char *name, uint64
         *out = value;
 }
 
-void glint_query_choice(const struct glint_request *r, const char *name,
-                        const char *const *choices, int *out, struct glint_error *err)
+void glint_query_choice(const struct glint_request *r, const char *name, const char *const *choices,
+                        int *out, struct glint_error *err)
 {
     const char *text = glint_request_query(r, name);
     if (!text)

@@ -19,7 +19,9 @@
 #define GLINT_REQUEST_ID_BYTES 65
 #define GLINT_BODY_SECONDS 60.0 // until a body is complete, and a second more for each 16 KiB
 
-struct glint_parameter { char *name, *value; }; // of the query, decoded
+struct glint_parameter {
+    char *name, *value;
+}; // of the query, decoded
 
 enum glint_body_kind { GLINT_BODY_NONE, GLINT_BODY_JOB, GLINT_BODY_PATCH, GLINT_BODY_SCENE };
 
@@ -85,8 +87,8 @@ void glint_query_number(const struct glint_request *r, const char *name, double 
 void glint_query_integer(const struct glint_request *r, const char *name, uint64_t high,
                          uint64_t *out, struct glint_error *err);
 // choices: NULL-terminated; *out: index.
-void glint_query_choice(const struct glint_request *r, const char *name,
-                        const char *const *choices, int *out, struct glint_error *err);
+void glint_query_choice(const struct glint_request *r, const char *name, const char *const *choices,
+                        int *out, struct glint_error *err);
 
 // Handlers of requests that wait for their job to end return after this; they are called again.
 void glint_request_wait(struct glint_request *r);

@@ -104,7 +104,7 @@ static enum glint_scene_type scene_type(struct glint_request *r)
     if (type && !strncasecmp(type, "application/json", 16))
         return GLINT_SCENE_NATIVE;
     return r->body.length >= 4 && !memcmp(r->body.bytes, "glTF", 4) ? GLINT_SCENE_GLB
-                                                                     : GLINT_SCENE_NATIVE;
+                                                                    : GLINT_SCENE_NATIVE;
 }
 
 void glint_http_scenes_put(struct glint_request *r)

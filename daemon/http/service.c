@@ -14,13 +14,14 @@ void glint_http_service_index(struct glint_request *r)
 {
     struct glint_text t = {0};
     size_t length;
-    glint_text_add(&t, "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>glint</title>\n"
-                       "<style>body{font:16px/1.5 system-ui;margin:3em auto;max-width:50em}"
-                       "td{padding:0 1em 0 0;vertical-align:top}code{white-space:nowrap}</style>\n"
-                       "<h1>glint</h1>\n<p>A render daemon. The contract: "
-                       "<a href=\"/openapi.yaml\">openapi.yaml</a>; what this one can do: "
-                       "<a href=\"/v1\">/v1</a>; its <a href=\"/v1/scenes\">scenes</a> and "
-                       "<a href=\"/v1/jobs\">jobs</a>.</p>\n<table>\n");
+    glint_text_add(
+        &t, "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>glint</title>\n"
+            "<style>body{font:16px/1.5 system-ui;margin:3em auto;max-width:50em}"
+            "td{padding:0 1em 0 0;vertical-align:top}code{white-space:nowrap}</style>\n"
+            "<h1>glint</h1>\n<p>A render daemon. The contract: "
+            "<a href=\"/openapi.yaml\">openapi.yaml</a>; what this one can do: "
+            "<a href=\"/v1\">/v1</a>; its <a href=\"/v1/scenes\">scenes</a> and "
+            "<a href=\"/v1/jobs\">jobs</a>.</p>\n<table>\n");
     for (const struct glint_route *row = glint_route_table; row->method; row++)
         glint_text_print(&t, "<tr><td><code>%s</code><td><code>%s</code><td>%s\n", row->method,
                          row->pattern, row->summary);
@@ -110,9 +111,8 @@ static void add_presets(cJSON *object)
         cJSON_AddStringToObject(o, "name", glint_preset_table[p].name);
         cJSON *settings = cJSON_AddObjectToObject(o, "settings");
         for (int d = 0; d < GLINT_DIAL_COUNT; d++)
-            cJSON_AddStringToObject(
-                settings, glint_dial_table[d].name,
-                glint_dial_table[d].setting[glint_preset_table[p].setting[d]]);
+            cJSON_AddStringToObject(settings, glint_dial_table[d].name,
+                                    glint_dial_table[d].setting[glint_preset_table[p].setting[d]]);
         cJSON_AddItemToArray(presets, o);
     }
 }

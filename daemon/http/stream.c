@@ -3,10 +3,10 @@
 #include "base/clock.h"
 #include "http/answer.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <stdlib.h>
+#include <string.h>
 #include <sys/socket.h>
 
 #define BLOCK_BYTES 32768
@@ -137,6 +137,14 @@ static void set_socket(struct MHD_Connection *connection)
     setsockopt(fd, IPPROTO_TCP, TCP_KEEPCNT, &probes, sizeof probes);
 }
 
+// To HEAD the library would send the end of a body of unknown length, as if it had one.
+static void answer_head(struct glint_request *r, struct glint_stream *stream, const char *type)
+{
+    stream->destroy(stream);
+    glint_answer_empty(r, MHD_HTTP_OK);
+    glint_answer_header(r, "Content-Type", "%s", type);
+}
+
 void glint_stream_start(struct glint_request *r, struct glint_stream *stream, const char *type)
 {
     stream->task.run = fill;
@@ -144,6 +152,10 @@ void glint_stream_start(struct glint_request *r, struct glint_stream *stream, co
     stream->connection = r->connection;
     stream->client = r->client;
     stream->filled_at = glint_now();
+    if (r->head) {
+        answer_head(r, stream, type);
+        return;
+    }
     pthread_mutex_init(&stream->mutex, NULL);
     if (!link_stream(stream)) {
         struct glint_error err = {0};
@@ -154,8 +166,8 @@ void glint_stream_start(struct glint_request *r, struct glint_stream *stream, co
         return;
     }
     set_socket(r->connection);
-    struct MHD_Response *response = MHD_create_response_from_callback(
-        MHD_SIZE_UNKNOWN, BLOCK_BYTES, read_stream, stream, end);
+    struct MHD_Response *response =
+        MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, BLOCK_BYTES, read_stream, stream, end);
     if (response)
         glint_watch_attend(r->http->watch, r->client, client_left, stream);
     glint_answer_response(r, MHD_HTTP_OK, response);

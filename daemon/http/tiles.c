@@ -49,8 +49,11 @@ static bool add_part(struct tiles *s, const struct glint_job_view *view, uint32_
                      uint32_t samples, const uint8_t *bytes, size_t size)
 {
     char text[GLINT_MULTIPART_HEAD_BYTES];
-    struct glint_multipart_head head = {.type = "image/x-exr", .length = size, .has_tile = true,
-        .samples = samples, .sequence = s->cursor};
+    struct glint_multipart_head head = {.type = "image/x-exr",
+                                        .length = size,
+                                        .has_tile = true,
+                                        .samples = samples,
+                                        .sequence = s->cursor};
     glint_render_tile_rect(view->render, tile, head.tile);
     strncpy(head.revision, view->revision, sizeof head.revision - 1);
     return glint_stream_add(&s->stream, text, glint_multipart_write_head(text, &head)) &&

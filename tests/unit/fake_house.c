@@ -11,9 +11,13 @@
 #define MAX_JOBS 64
 #define MAX_TILES 256
 
-struct glint_devices { int unused; };
+struct glint_devices {
+    int unused;
+};
 
-struct glint_revision { char id[65]; };
+struct glint_revision {
+    char id[65];
+};
 
 struct glint_store {
     pthread_mutex_t mutex;
@@ -148,8 +152,8 @@ void fake_store_gate(glint_store *store, bool open)
 
 const char *glint_job_state_name(enum glint_job_state state)
 {
-    static const char *const name[] = {"queued", "rendering", "paused", "done", "failed",
-                                       "cancelled"};
+    static const char *const name[] = {"queued", "rendering", "paused",
+                                       "done",   "failed",    "cancelled"};
     return name[state];
 }
 
@@ -243,8 +247,8 @@ glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_
     if (st)
         glint_fail(err, st, "", "no pixels of job \"%.64s\"", id);
     else
-        *out = (struct glint_job_view){&job->render, job->state, job->job, "fake", job->sequence,
-                                       job};
+        *out =
+            (struct glint_job_view){&job->render, job->state, job->job, "fake", job->sequence, job};
     pthread_mutex_unlock(&jobs->mutex);
     return st;
 }
@@ -337,8 +341,8 @@ cJSON *glint_render_plan(const glint_render *render)
 
 void glint_render_state(const glint_render *render, struct glint_render_state *out)
 {
-    *out = (struct glint_render_state){.samples = (uint32_t)render->versions, .error = NAN,
-        .predicted_samples = NAN};
+    *out = (struct glint_render_state){
+        .samples = (uint32_t)render->versions, .error = NAN, .predicted_samples = NAN};
 }
 
 size_t glint_render_convergence(const glint_render *render, struct glint_convergence_point *out,

@@ -47,11 +47,17 @@ static int start(void **state)
     struct glint_error err = {0};
     fake_house_open(&house, TILES);
     assert_int_equal(GLINT_OK, glint_metrics_create(&metrics, &err));
-    const struct glint_http_params params = {
-        .listen_fd = listen_anywhere(), .jobs = house.jobs, .store = house.store,
-        .devices = house.devices, .metrics = metrics, .version = "0",
-        .limits = {.job_bytes = 4096, .scene_bytes = 100000, .connections = 20, .streams = 8,
-                   .header_seconds = 0.3}};
+    const struct glint_http_params params = {.listen_fd = listen_anywhere(),
+                                             .jobs = house.jobs,
+                                             .store = house.store,
+                                             .devices = house.devices,
+                                             .metrics = metrics,
+                                             .version = "0",
+                                             .limits = {.job_bytes = 4096,
+                                                        .scene_bytes = 100000,
+                                                        .connections = 20,
+                                                        .streams = 8,
+                                                        .header_seconds = 0.3}};
     assert_int_equal(GLINT_OK, glint_http_create(&http, &params, &err));
     return 0;
 }
@@ -67,7 +73,8 @@ static int stop(void **state)
 
 static int dial(void)
 {
-    struct sockaddr_in a = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK),
+    struct sockaddr_in a = {.sin_family = AF_INET,
+                            .sin_addr.s_addr = htonl(INADDR_LOOPBACK),
                             .sin_port = htons((uint16_t)port)};
     const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     assert_int_equal(0, connect(fd, (struct sockaddr *)&a, sizeof a));
@@ -139,9 +146,11 @@ static char *get(const char *target)
 static char *post_job(const char *json)
 {
     char request[4096];
-    snprintf(request, sizeof request,
-             "POST /v1/jobs HTTP/1.1\r\nContent-Type: application/json\r\nContent-Length: %zu\r\n"
-             END "%s", strlen(json), json);
+    snprintf(
+        request, sizeof request,
+        "POST /v1/jobs HTTP/1.1\r\nContent-Type: application/json\r\nContent-Length: %zu\r\n" END
+        "%s",
+        strlen(json), json);
     return ask(request);
 }
 
@@ -181,7 +190,10 @@ static void await_metric(const char *name, double value)
 
 // Bad requests
 
-static const struct { int status; const char *request; } bad[] = {
+static const struct {
+    int status;
+    const char *request;
+} bad[] = {
     {404, "GET /nothing HTTP/1.1\r\n" END},
     {404, "GET /v1/ HTTP/1.1\r\n" END},
     {404, "GET /v1/scenes/ HTTP/1.1\r\n" END},
@@ -219,19 +231,20 @@ static const struct { int status; const char *request; } bad[] = {
     {412, "PUT /v1/scenes/room HTTP/1.1\r\nIf-None-Match: *\r\nContent-Length: 2\r\n" END "{}"},
     {412, "PUT /v1/scenes/attic HTTP/1.1\r\nIf-Match: *\r\nContent-Length: 2\r\n" END "{}"},
     {400, "PUT /v1/scenes/room HTTP/1.1\r\nContent-Length: 0\r\n" END},
-    {400, "PUT /v1/scenes/room HTTP/1.1\r\nContent-Type: model/gltf-binary\r\nContent-Length: 6\r\n"
-          END "glTFxx"},
+    {400,
+     "PUT /v1/scenes/room HTTP/1.1\r\nContent-Type: model/gltf-binary\r\nContent-Length: 6\r\n" END
+     "glTFxx"},
     {413, "PUT /v1/scenes/room HTTP/1.1\r\nContent-Length: 100001\r\n" END},
     {413, "GET /healthz HTTP/1.1\r\nContent-Length: 1\r\n" END "x"},
     {415, "POST /v1/jobs HTTP/1.1\r\nContent-Length: 2\r\n" END "{}"},
-    {415, "POST /v1/jobs HTTP/1.1\r\nContent-Type: application/jsonp\r\nContent-Length: 2\r\n" END
-          "{}"},
-    {415, "PUT /v1/scenes/room HTTP/1.1\r\nContent-Type: text/html\r\nContent-Length: 2\r\n" END
-          "{}"},
-    {415, "PUT /v1/scenes/room HTTP/1.1\r\nContent-Encoding: gzip\r\nContent-Length: 2\r\n" END
-          "{}"},
-    {400, "POST /v1/jobs HTTP/1.1\r\nContent-Type: application/json\r\nContent-Length: 1\r\n" END
-          "{"},
+    {415,
+     "POST /v1/jobs HTTP/1.1\r\nContent-Type: application/jsonp\r\nContent-Length: 2\r\n" END "{}"},
+    {415,
+     "PUT /v1/scenes/room HTTP/1.1\r\nContent-Type: text/html\r\nContent-Length: 2\r\n" END "{}"},
+    {415,
+     "PUT /v1/scenes/room HTTP/1.1\r\nContent-Encoding: gzip\r\nContent-Length: 2\r\n" END "{}"},
+    {400,
+     "POST /v1/jobs HTTP/1.1\r\nContent-Type: application/json\r\nContent-Length: 1\r\n" END "{"},
     {422, "POST /v1/jobs HTTP/1.1\r\nIdempotency-Key: a b\r\nContent-Type: application/json\r\n"
           "Content-Length: 16\r\n" END "{\"scene\":\"room\"}"},
     {400, "PUT /v1/scenes/room HTTP/1.1\r\nContent-Length: -1\r\n" END},
@@ -266,6 +279,18 @@ static void problems_carry_the_request_id(void **state)
     char *answer = ask("GET /x HTTP/1.1\r\nX-Request-Id: mine-7\r\n" END);
     assert_non_null(strstr(answer, "X-Request-Id: mine-7\r\n"));
     assert_non_null(strstr(answer, "\"request_id\":\"mine-7\""));
+    free(answer);
+}
+
+static void an_unknown_matte_is_a_fault_of_its_parameter(void **state)
+{
+    (void)state;
+    char id[GLINT_JOB_ID_BYTES], target[128];
+    submit_prepared(id);
+    snprintf(target, sizeof target, "/v1/jobs/%s/matte.png?name=torus&name=cone", id);
+    char *answer = get(target);
+    assert_int_equal(404, status_of(answer));
+    assert_non_null(strstr(answer, "\"pointer\":\"\",\"detail\":\"name: no object \\\"cone\\\""));
     free(answer);
 }
 
@@ -364,14 +389,18 @@ static void a_finished_frame_has_one_digest_and_serves_ranges(void **state)
     assert_non_null(strstr(whole, "Repr-Digest: sha-256=:"));
     assert_int_equal(1, sscanf(strstr(whole, "ETag: "), "ETag: %79[^\r]", etag));
     free(whole);
-    snprintf(request, sizeof request, "GET /v1/jobs/%s/frame.exr?outputs=beauty HTTP/1.1\r\n"
-             "Range: bytes=0-3\r\nIf-Range: %s\r\n" END, id, etag);
+    snprintf(request, sizeof request,
+             "GET /v1/jobs/%s/frame.exr?outputs=beauty HTTP/1.1\r\n"
+             "Range: bytes=0-3\r\nIf-Range: %s\r\n" END,
+             id, etag);
     char *part = ask(request);
     assert_int_equal(206, status_of(part));
     assert_memory_equal("\x76\x2f\x31\x01", strstr(part, "\r\n\r\n") + 4, 4); // OpenEXR's magic
     free(part);
-    snprintf(request, sizeof request, "GET /v1/jobs/%s/frame.exr?outputs=beauty HTTP/1.1\r\n"
-             "Range: bytes=99999999-\r\n" END, id);
+    snprintf(request, sizeof request,
+             "GET /v1/jobs/%s/frame.exr?outputs=beauty HTTP/1.1\r\n"
+             "Range: bytes=99999999-\r\n" END,
+             id);
     part = ask(request);
     assert_int_equal(416, status_of(part));
     assert_non_null(strstr(part, "Content-Range: bytes */"));
@@ -383,8 +412,8 @@ static void waiting_ends_with_the_job(void **state)
     (void)state;
     char id[GLINT_JOB_ID_BYTES], request[256];
     submit(id);
-    snprintf(request, sizeof request, "GET /v1/jobs/%s/frame.exr?wait=done&outputs=beauty HTTP/1.1\r\n"
-             END, id);
+    snprintf(request, sizeof request,
+             "GET /v1/jobs/%s/frame.exr?wait=done&outputs=beauty HTTP/1.1\r\n" END, id);
     const int done = dial(), cancelled = dial();
     say(done, request);
     fake_job_prepare(house.jobs, id);
@@ -443,7 +472,9 @@ static void open_stream(struct client *c, const char *id, const char *query)
 {
     char request[256];
     const struct glint_multipart_params params = {.content_type = GLINT_MULTIPART_TYPE,
-        .max_part_bytes = 1 << 20, .part = take_part, .user = &c->parts};
+                                                  .max_part_bytes = 1 << 20,
+                                                  .part = take_part,
+                                                  .user = &c->parts};
     *c = (struct client){.fd = dial(), .parts.ordered = true};
     assert_int_equal(GLINT_OK, glint_multipart_reader_create(&c->reader, &params, NULL));
     snprintf(request, sizeof request, "GET /v1/jobs/%s/tiles%s HTTP/1.1\r\nHost: localhost\r\n\r\n",
@@ -520,6 +551,18 @@ static void a_finished_job_streams_every_tile_once_and_ends(void **state)
     for (int t = 0; t < TILES; t++)
         assert_int_equal(t == 2 || t == 5, c.parts.count[t]);
     close_stream(&c);
+}
+
+static void head_of_a_stream_has_no_body(void **state)
+{
+    (void)state;
+    char id[GLINT_JOB_ID_BYTES], request[256];
+    submit_prepared(id);
+    snprintf(request, sizeof request, "HEAD /v1/jobs/%s/tiles HTTP/1.1\r\n" END, id);
+    char *answer = ask(request);
+    assert_int_equal(200, status_of(answer));
+    assert_string_equal("\r\n\r\n", strstr(answer, "\r\n\r\n"));
+    free(answer);
 }
 
 static void a_stream_opened_before_the_first_pixel_gets_it(void **state)
@@ -730,6 +773,7 @@ int main(void)
         CLAIM(a_refused_method_names_the_allowed_ones),
         CLAIM(problems_carry_the_request_id),
         CLAIM(every_bad_parameter_is_named),
+        CLAIM(an_unknown_matte_is_a_fault_of_its_parameter),
         CLAIM(a_job_of_three_faults_is_told_all_three),
         CLAIM(a_body_that_grows_past_the_limit_is_refused),
         CLAIM(unchanged_resources_are_not_sent_again),
@@ -738,6 +782,7 @@ int main(void)
         CLAIM(a_finished_frame_has_one_digest_and_serves_ranges),
         CLAIM(waiting_ends_with_the_job),
         CLAIM(a_finished_job_streams_every_tile_once_and_ends),
+        CLAIM(head_of_a_stream_has_no_body),
         CLAIM(a_stream_opened_before_the_first_pixel_gets_it),
         CLAIM(a_slow_reader_skips_versions_but_ends_with_the_newest),
         CLAIM(clients_that_leave_idle_streams_are_noticed),
