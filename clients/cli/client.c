@@ -213,14 +213,14 @@ static glint_status judge(const glint_client *c, const struct transfer *t, CURLc
     if (t->file_short)
         return glint_fail(err, GLINT_E_IO, "", "the file became shorter while it was sent");
     if (t->too_large)
-        return glint_fail(err, GLINT_E_TOO_LARGE, "", "%s answers with more than %zu bytes",
-                          c->url, GLINT_MAX_ANSWER);
+        return glint_fail(err, GLINT_E_TOO_LARGE, "", "%s answers with more than %zu bytes", c->url,
+                          GLINT_MAX_ANSWER);
     // An answer that came before the body was sent (413) ends the transfer with an error as well.
     if (a->http >= 300)
         return glint_problem_read(a->http, a->body ? a->body : "", a->size, err);
     if (result != CURLE_OK && !t->ended)
-        return glint_fail(err, GLINT_E_UNAVAILABLE, "", "%s: %s", c->url,
-                          curl_easy_strerror(result));
+        return glint_fail(err, GLINT_E_UNAVAILABLE, "", "%s: %s %s: %s", c->url, t->request->method,
+                          t->request->path, curl_easy_strerror(result));
     if (a->http < 200)
         return glint_fail(err, GLINT_E_INTERNAL, "", "%s answers %ld", c->url, a->http);
     return GLINT_OK;
@@ -245,8 +245,8 @@ glint_status glint_client_send(glint_client *client, const struct glint_request 
     struct curl_slist *headers = NULL;
     char *url = NULL;
     glint_status status = GLINT_E_NOMEM;
-    if (asprintf(&url, "%s%s", client->url, request->path) >= 0 && make_headers(request, &headers) &&
-        keep(&t, "", 0)) {
+    if (asprintf(&url, "%s%s", client->url, request->path) >= 0 &&
+        make_headers(request, &headers) && keep(&t, "", 0)) {
         set_options(client->easy, &t, url, headers);
         status = perform(client, &t, err);
         curl_easy_setopt(client->easy, CURLOPT_HTTPHEADER, NULL);
@@ -302,8 +302,8 @@ char *glint_client_query(char *path, const char *name, const char *value)
     if (!path || !value)
         return path;
     char *longer = NULL, *escaped = glint_client_escape(value);
-    if (escaped && asprintf(&longer, "%s%c%s=%s", path, strchr(path, '?') ? '&' : '?', name,
-                            escaped) < 0)
+    if (escaped &&
+        asprintf(&longer, "%s%c%s=%s", path, strchr(path, '?') ? '&' : '?', name, escaped) < 0)
         longer = NULL;
     free(escaped);
     free(path);

@@ -5,7 +5,8 @@
 static glint_status check(struct glint_session *s, const struct glint_arguments *a,
                           struct glint_error *err)
 {
-    const char *file = glint_options_text(a, "output"), *kind = file ? glint_download_kind(file) : NULL;
+    const char *file = glint_options_text(a, "output"),
+               *kind = file ? glint_download_kind(file) : NULL;
     if (!file)
         return glint_session_usage(s, err, "get wants -o FILE");
     if (!kind)
@@ -13,7 +14,8 @@ static glint_status check(struct glint_session *s, const struct glint_arguments 
     const char *exposure = glint_options_text(a, "exposure");
     double stops;
     if (exposure && !glint_read_number(exposure, &stops))
-        return glint_session_usage(s, err, "--exposure wants a number of stops, not '%s'", exposure);
+        return glint_session_usage(s, err, "--exposure wants a number of stops, not '%s'",
+                                   exposure);
     return GLINT_OK;
 }
 
@@ -47,6 +49,11 @@ static const struct glint_option options[] = {
 };
 
 const struct glint_command glint_command_get = {
-    .name = "get", .operands = "JOB", .summary = "Download a job's frame as it stands",
-    .options = options, .least = 1, .most = 1, .run = run_get,
+    .name = "get",
+    .operands = "JOB",
+    .summary = "Download a job's frame as it stands",
+    .options = options,
+    .least = 1,
+    .most = 1,
+    .run = run_get,
 };

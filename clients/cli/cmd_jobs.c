@@ -7,10 +7,14 @@
 #include <stdlib.h>
 
 static const struct glint_column row[] = {
-    {"JOB", "id", GLINT_COLUMN_TEXT},          {"STATE", "state", GLINT_COLUMN_TEXT},
-    {"DONE", "progress", GLINT_COLUMN_PERCENT}, {"SAMPLES", "samples", GLINT_COLUMN_TEXT},
-    {"ERROR", "error", GLINT_COLUMN_NUMBER},   {"TIME", "seconds", GLINT_COLUMN_SECONDS},
-    {"SCENE", "scene", GLINT_COLUMN_TEXT},     {"NAME", "name", GLINT_COLUMN_TEXT},
+    {"JOB", "id", GLINT_COLUMN_TEXT},
+    {"STATE", "state", GLINT_COLUMN_TEXT},
+    {"DONE", "progress", GLINT_COLUMN_PERCENT},
+    {"SAMPLES", "samples", GLINT_COLUMN_TEXT},
+    {"ERROR", "error", GLINT_COLUMN_NUMBER},
+    {"TIME", "seconds", GLINT_COLUMN_SECONDS},
+    {"SCENE", "scene", GLINT_COLUMN_TEXT},
+    {"NAME", "name", GLINT_COLUMN_TEXT},
     {0},
 };
 
@@ -83,7 +87,8 @@ static glint_status run_watch(struct glint_session *s, const struct glint_argume
 }
 
 // 202 with the job where it was cancelled, 204 where it had ended and now is forgotten.
-static void print_outcome(struct glint_session *s, const char *id, const struct glint_answer *answer)
+static void print_outcome(struct glint_session *s, const char *id,
+                          const struct glint_answer *answer)
 {
     const char *outcome = answer->http == 204 ? "forgotten" : "cancelled";
     if (s->json) {
@@ -122,17 +127,29 @@ static const struct glint_option watch_options[] = {
 };
 
 const struct glint_command glint_command_jobs = {
-    .name = "jobs", .operands = "[JOB]", .summary = "List the jobs, or describe one",
-    .most = 1, .run = run_jobs,
+    .name = "jobs",
+    .operands = "[JOB]",
+    .summary = "List the jobs, or describe one",
+    .most = 1,
+    .run = run_jobs,
 };
 
 const struct glint_command glint_command_watch = {
-    .name = "watch", .operands = "JOB", .summary = "Show a job's progress until it has ended",
-    .options = watch_options, .least = 1, .most = 1, .run = run_watch,
+    .name = "watch",
+    .operands = "JOB",
+    .summary = "Show a job's progress until it has ended",
+    .options = watch_options,
+    .least = 1,
+    .most = 1,
+    .run = run_watch,
 };
 
 const struct glint_command glint_command_cancel = {
-    .name = "cancel", .operands = "JOB", .summary = "Cancel a job, or forget one that has ended",
+    .name = "cancel",
+    .operands = "JOB",
+    .summary = "Cancel a job, or forget one that has ended",
     .detail = "A cancelled job keeps what it has rendered until it is cancelled once more.",
-    .least = 1, .most = 1, .run = run_cancel,
+    .least = 1,
+    .most = 1,
+    .run = run_cancel,
 };

@@ -19,7 +19,8 @@ static const struct glint_column row[] = {
 
 static bool is_layer(const char *name)
 {
-    return strcmp(name, "object") == 0 || strcmp(name, "material") == 0 || strcmp(name, "asset") == 0;
+    return strcmp(name, "object") == 0 || strcmp(name, "material") == 0 ||
+           strcmp(name, "asset") == 0;
 }
 
 static double coverage(const void *name)
@@ -144,12 +145,22 @@ static const struct glint_option matte_options[] = {
 };
 
 const struct glint_command glint_command_mattes = {
-    .name = "mattes", .operands = "JOB", .summary = "List the names in a frame and their coverage",
+    .name = "mattes",
+    .operands = "JOB",
+    .summary = "List the names in a frame and their coverage",
     .detail = "Names that cover nothing are left out; --json has them all.",
-    .options = mattes_options, .least = 1, .most = 1, .run = run_mattes,
+    .options = mattes_options,
+    .least = 1,
+    .most = 1,
+    .run = run_mattes,
 };
 
 const struct glint_command glint_command_matte = {
-    .name = "matte", .operands = "JOB", .summary = "Download the matte of one or more names",
-    .options = matte_options, .least = 1, .most = 1, .run = run_matte,
+    .name = "matte",
+    .operands = "JOB",
+    .summary = "Download the matte of one or more names",
+    .options = matte_options,
+    .least = 1,
+    .most = 1,
+    .run = run_matte,
 };

@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 static const struct glint_column row[] = {
-    {"EFFECT", "effect", GLINT_COLUMN_TEXT},   {"ON", "on", GLINT_COLUMN_TEXT},
+    {"EFFECT", "effect", GLINT_COLUMN_TEXT}, {"ON", "on", GLINT_COLUMN_TEXT},
     {"TIME", "share", GLINT_COLUMN_PERCENT}, {"MEMORY", "bytes", GLINT_COLUMN_BYTES},
     {"REASON", "reason", GLINT_COLUMN_TEXT}, {0},
 };
@@ -51,6 +51,10 @@ static glint_status run_plan(struct glint_session *s, const struct glint_argumen
 }
 
 const struct glint_command glint_command_plan = {
-    .name = "plan", .operands = "JOB", .summary = "Show what a job simulates, why, and its cost",
-    .least = 1, .most = 1, .run = run_plan,
+    .name = "plan",
+    .operands = "JOB",
+    .summary = "Show what a job simulates, why, and its cost",
+    .least = 1,
+    .most = 1,
+    .run = run_plan,
 };

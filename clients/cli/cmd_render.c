@@ -51,8 +51,11 @@ static glint_status submit(struct glint_session *s, const struct glint_order *o,
     const struct glint_body body = {
         .type = "application/json", .bytes = (const uint8_t *)text, .size = strlen(text)};
     // Steady: a job that was accepted must be known here, or nobody could cancel it.
-    const struct glint_request request = {.method = "POST", .path = "/v1/jobs", .body = &body,
-                                          .idempotency_key = o->key, .steady = true};
+    const struct glint_request request = {.method = "POST",
+                                          .path = "/v1/jobs",
+                                          .body = &body,
+                                          .idempotency_key = o->key,
+                                          .steady = true};
     const glint_status status = glint_client_json(s->client, &request, job, err);
     free(text);
     return status;
@@ -65,8 +68,8 @@ static void cancel(struct glint_session *s, const char *id)
     struct glint_error ignored = {0};
     char *path = glint_client_path("/v1/jobs/", id, "");
     if (path)
-        glint_client_send(s->client, &(struct glint_request){.method = "DELETE", .path = path}, NULL,
-                          &ignored);
+        glint_client_send(s->client, &(struct glint_request){.method = "DELETE", .path = path},
+                          NULL, &ignored);
     glint_error_finish(&ignored);
     free(path);
 }
@@ -164,8 +167,13 @@ static glint_status run_render(struct glint_session *s, const struct glint_argum
 }
 
 const struct glint_command glint_command_render = {
-    .name = "render", .operands = "[SCENE]", .summary = "Render a scene to an image",
-    .detail = "SCENE is a file (.glb, .gltf, .json), which is uploaded, or the name of a scene that the\n"
-              "daemon has. Where no daemon answers, a private one is started for the time it takes.",
-    .options = glint_order_options, .most = 1, .run = run_render,
+    .name = "render",
+    .operands = "[SCENE]",
+    .summary = "Render a scene to an image",
+    .detail =
+        "SCENE is a file (.glb, .gltf, .json), which is uploaded, or the name of a scene that the\n"
+        "daemon has. Where no daemon answers, a private one is started for the time it takes.",
+    .options = glint_order_options,
+    .most = 1,
+    .run = run_render,
 };

@@ -103,12 +103,20 @@ static const struct glint_option put_options[] = {
 };
 
 const struct glint_command glint_command_put = {
-    .name = "put", .operands = "FILE", .summary = "Upload a scene, or replace it",
+    .name = "put",
+    .operands = "FILE",
+    .summary = "Upload a scene, or replace it",
     .detail = "FILE is .glb, .gltf (with the files beside it) or native .json.",
-    .options = put_options, .least = 1, .most = 1, .run = run_put,
+    .options = put_options,
+    .least = 1,
+    .most = 1,
+    .run = run_put,
 };
 
 const struct glint_command glint_command_scenes = {
-    .name = "scenes", .operands = "[SCENE]", .summary = "List the scenes, or describe one",
-    .most = 1, .run = run_scenes,
+    .name = "scenes",
+    .operands = "[SCENE]",
+    .summary = "List the scenes, or describe one",
+    .most = 1,
+    .run = run_scenes,
 };

@@ -13,7 +13,10 @@ glint_status glint_download_file(struct glint_session *s, const char *path, cons
 
 // The job's frame as the file's extension says. outputs: a comma-separated list or NULL; a PNG
 // shows the one named. wait: until the job is done.
-struct glint_frame_request { const char *job, *outputs, *exposure; bool wait; };
+struct glint_frame_request {
+    const char *job, *outputs, *exposure;
+    bool wait;
+};
 glint_status glint_download_frame(struct glint_session *s, const struct glint_frame_request *frame,
                                   const char *file, uint64_t *size, struct glint_error *err);
 

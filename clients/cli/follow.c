@@ -94,17 +94,19 @@ static glint_status stream(struct follower *f, const char *path, struct glint_er
 {
     glint_sse_restart(&f->sse);
     f->events = 0;
-    const struct glint_request request = {.method = "GET", .path = path, .stream = true,
+    const struct glint_request request = {.method = "GET",
+                                          .path = path,
+                                          .stream = true,
                                           .last_event_id = f->sse.id[0] ? f->sse.id : NULL,
-                                          .receive = on_bytes, .user = f};
+                                          .receive = on_bytes,
+                                          .user = f};
     return glint_client_send(f->session->client, &request, NULL, err);
 }
 
 static glint_status fetch(struct follower *f, const char *id, cJSON **job, struct glint_error *err)
 {
     cJSON_Delete(*job);
-    const glint_status status =
-        glint_client_get(f->session->client, "/v1/jobs/", id, "", job, err);
+    const glint_status status = glint_client_get(f->session->client, "/v1/jobs/", id, "", job, err);
     if (!status)
         update(f, *job);
     return status;

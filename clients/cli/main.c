@@ -11,8 +11,8 @@
 #define EXIT_CANCELLED 130 // as a shell reports a program that Ctrl-C ended
 
 static const struct glint_command *const commands[] = {
-    &glint_command_render, &glint_command_put,    &glint_command_scenes, &glint_command_jobs,
-    &glint_command_watch,  &glint_command_get,    &glint_command_cancel, &glint_command_mattes,
+    &glint_command_render, &glint_command_put,  &glint_command_scenes, &glint_command_jobs,
+    &glint_command_watch,  &glint_command_get,  &glint_command_cancel, &glint_command_mattes,
     &glint_command_matte,  &glint_command_plan,
 };
 #define COMMANDS (sizeof commands / sizeof *commands)
@@ -35,12 +35,14 @@ static void print_version(void)
 static void print_overview(FILE *out)
 {
     fputs("Usage: glint COMMAND [OPTION]...\n"
-          "Renders scenes with a glintd daemon.\n\nCommands:\n", out);
+          "Renders scenes with a glintd daemon.\n\nCommands:\n",
+          out);
     for (size_t i = 0; i < COMMANDS; i++)
         fprintf(out, "  %-8s %s\n", commands[i]->name, commands[i]->summary);
     fputs("\n'glint COMMAND --help' tells more of each.\n"
           "Exit status: 0 done, 1 failed, 64 wrong usage, 69 no daemon, 75 try again later, "
-          "130 cancelled.\n", out);
+          "130 cancelled.\n",
+          out);
 }
 
 static void print_help(const struct glint_command *c)

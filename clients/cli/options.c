@@ -23,8 +23,8 @@ static void add_table(struct long_options *l, const struct glint_option *table)
     for (const struct glint_option *o = table; o->name; o++) {
         assert(l->count < MAX_OPTIONS);
         l->row[l->count] = o;
-        l->option[l->count] = (struct option){
-            o->name, o->value ? required_argument : no_argument, NULL, 256 + l->count};
+        l->option[l->count] = (struct option){o->name, o->value ? required_argument : no_argument,
+                                              NULL, 256 + l->count};
         l->count++;
         if (!o->letter)
             continue;

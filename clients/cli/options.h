@@ -24,7 +24,9 @@ struct glint_arguments {
     int count;                           // arguments that are no options
     char **text;
     int given;
-    struct { const char *name, *value; } option[GLINT_MAX_GIVEN]; // in the order given
+    struct {
+        const char *name, *value;
+    } option[GLINT_MAX_GIVEN]; // in the order given
 };
 
 // Reads argv[1..]. Both tables are set by the caller; the rest is filled in.

@@ -18,7 +18,8 @@ static cJSON *to_text(const char *text)
 static cJSON *to_count(const char *text)
 {
     uint64_t value;
-    return glint_read_unsigned(text, 0, UINT32_MAX, &value) ? cJSON_CreateNumber((double)value) : NULL;
+    return glint_read_unsigned(text, 0, UINT32_MAX, &value) ? cJSON_CreateNumber((double)value)
+                                                            : NULL;
 }
 
 static cJSON *to_number(const char *text)
@@ -85,8 +86,9 @@ static const struct {
 };
 
 const struct glint_option glint_order_options[] = {
-    {"output", 'o', "FILE", "write the frame here, .exr or .png; may be repeated. A run of # in "
-                            "it is the frame's number"},
+    {"output", 'o', "FILE",
+     "write the frame here, .exr or .png; may be repeated. A run of # in "
+     "it is the frame's number"},
     {"samples", 'n', "N", "stop at N samples per pixel"},
     {"seconds", 't', "S", "stop after S seconds of rendering"},
     {"error", 'e', "E", "stop at an estimated error of E"},
@@ -206,7 +208,8 @@ static glint_status read_outputs(struct glint_order *o, struct glint_session *s,
     const char *pattern[GLINT_MAX_FILES + 1];
     const size_t count = glint_options_all(a, "output", pattern, GLINT_MAX_FILES + 1);
     if (!count || count > GLINT_MAX_FILES)
-        return glint_session_usage(s, err, "render wants -o FILE, at most %d times", GLINT_MAX_FILES);
+        return glint_session_usage(s, err, "render wants -o FILE, at most %d times",
+                                   GLINT_MAX_FILES);
     glint_status status = GLINT_OK;
     for (size_t i = 0; i < count; i++) {
         const glint_status st = read_output(o, s, pattern[i], err);
@@ -230,8 +233,8 @@ glint_status glint_order_read(struct glint_order *out, struct glint_session *s,
     if (!glint_progress_init(&s->progress, glint_options_text(a, "progress"), s->json))
         status = glint_session_usage(s, err, "--progress wants auto, bar, plain, openjd or none");
     glint_status (*const parts[])(struct glint_order *, struct glint_session *,
-                                  const struct glint_arguments *, struct glint_error *) = {
-        read_members, read_scene, read_outputs};
+                                  const struct glint_arguments *,
+                                  struct glint_error *) = {read_members, read_scene, read_outputs};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
         const glint_status st = parts[i](out, s, a, err);
         status = status ? status : st;

@@ -9,12 +9,12 @@
 #define GLINT_MAX_FILES 8
 
 struct glint_order {
-    cJSON *job;       // the body of POST /v1/jobs, `scene` included
-    const char *file; // the scene to upload, or NULL: the job's `scene` is resident
-    char scene[129];  // its name
+    cJSON *job;                    // the body of POST /v1/jobs, `scene` included
+    const char *file;              // the scene to upload, or NULL: the job's `scene` is resident
+    char scene[129];               // its name
     char *output[GLINT_MAX_FILES]; // owned
     size_t outputs;
-    const char *key;  // Idempotency-Key, or NULL
+    const char *key; // Idempotency-Key, or NULL
 };
 
 extern const struct glint_option glint_order_options[];

@@ -19,7 +19,8 @@ static int directory_length(const char *path)
 static int create_temporary(struct glint_output_file *o)
 {
     const int directory = directory_length(o->path);
-    if (asprintf(&o->temporary, "%.*s.%.200s.XXXXXX", directory, o->path, o->path + directory) < 0) {
+    if (asprintf(&o->temporary, "%.*s.%.200s.XXXXXX", directory, o->path, o->path + directory) <
+        0) {
         o->temporary = NULL;
         return -1;
     }
@@ -53,8 +54,8 @@ glint_status glint_output_open(struct glint_output_file *out, const char *path,
         return fail(out, path, errno, err);
     if (exists && S_ISDIR(info.st_mode))
         return fail(out, path, EISDIR, err);
-    out->fd = exists && !S_ISREG(info.st_mode) ? open(path, O_WRONLY | O_CLOEXEC)
-                                               : create_temporary(out);
+    out->fd =
+        exists && !S_ISREG(info.st_mode) ? open(path, O_WRONLY | O_CLOEXEC) : create_temporary(out);
     return out->fd < 0 ? fail(out, path, errno, err) : GLINT_OK;
 }
 

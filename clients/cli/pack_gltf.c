@@ -16,11 +16,13 @@
 #define HEADER_BYTES 12u
 #define CHUNK_BYTES 8u
 
-struct range { size_t base, size; }; // of a buffer in the BIN chunk
+struct range {
+    size_t base, size;
+}; // of a buffer in the BIN chunk
 
 struct packer {
     cJSON *root;
-    char *directory;     // real path
+    char *directory; // real path
     uint8_t *bin;
     size_t size, capacity;
     struct range *buffer;
@@ -34,8 +36,9 @@ static cJSON *member(const cJSON *object, const char *name)
     return cJSON_GetObjectItemCaseSensitive(object, name);
 }
 
-__attribute__((format(printf, 4, 5)))
-static void fault(struct packer *p, glint_status status, const char *pointer, const char *format, ...)
+__attribute__((format(printf, 4, 5))) static void fault(struct packer *p, glint_status status,
+                                                        const char *pointer, const char *format,
+                                                        ...)
 {
     char text[300];
     va_list args;
@@ -82,7 +85,8 @@ static size_t append(struct packer *p, const uint8_t *bytes, size_t size)
     return base;
 }
 
-static void take_buffer(struct packer *p, const cJSON *buffer, struct range *out, const char *pointer)
+static void take_buffer(struct packer *p, const cJSON *buffer, struct range *out,
+                        const char *pointer)
 {
     const char *uri = cJSON_GetStringValue(member(buffer, "uri"));
     struct glint_blob blob;
@@ -156,14 +160,19 @@ static void rebase_views(struct packer *p)
 
 static const char *image_type(const struct glint_blob *image)
 {
-    static const struct { const char *magic; size_t size; const char *type; } kinds[] = {
+    static const struct {
+        const char *magic;
+        size_t size;
+        const char *type;
+    } kinds[] = {
         {"\x89PNG", 4, "image/png"},
         {"\xff\xd8\xff", 3, "image/jpeg"},
         {"RIFF", 4, "image/webp"},
         {"\xabKTX 20", 7, "image/ktx2"},
     };
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        if (image->size >= kinds[i].size && memcmp(image->bytes, kinds[i].magic, kinds[i].size) == 0)
+        if (image->size >= kinds[i].size &&
+            memcmp(image->bytes, kinds[i].magic, kinds[i].size) == 0)
             return kinds[i].type;
     return image->media[0] ? image->media : "application/octet-stream";
 }

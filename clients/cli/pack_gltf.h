@@ -18,6 +18,7 @@
 //   GLINT_E_IO      the .gltf cannot be read
 //   GLINT_E_SYNTAX  it is no JSON object
 //   GLINT_E_RANGE   faults in it
-glint_status glint_pack_gltf(const char *path, uint8_t **glb, size_t *size, struct glint_error *err);
+glint_status glint_pack_gltf(const char *path, uint8_t **glb, size_t *size,
+                             struct glint_error *err);
 
 #endif

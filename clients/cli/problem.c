@@ -37,8 +37,7 @@ void glint_problem_faults(const cJSON *problem, glint_status status, struct glin
         return;
     const char *detail = text_of(problem, "detail");
     const char *title = text_of(problem, "title");
-    glint_fail(err, status, "", "%s",
-               detail ? detail : title ? title : glint_status_title(status));
+    glint_fail(err, status, "", "%s", detail ? detail : title ? title : glint_status_title(status));
 }
 
 glint_status glint_problem_read(long http, const char *body, size_t length, struct glint_error *err)

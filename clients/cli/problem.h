@@ -14,7 +14,8 @@ glint_status glint_problem_status(long http);
 
 // Appends the faults of an answer that was no success: each of its `errors`, else its detail, else
 // its title, else the number. `body` need not be JSON.
-glint_status glint_problem_read(long http, const char *body, size_t length, struct glint_error *err);
+glint_status glint_problem_read(long http, const char *body, size_t length,
+                                struct glint_error *err);
 
 // Appends the faults of a problem that is already parsed (may be NULL).
 void glint_problem_faults(const cJSON *problem, glint_status status, struct glint_error *err);

@@ -11,7 +11,10 @@
 #define NARROWEST_BAR 10
 #define WIDEST_BAR 60
 
-static const struct { const char *name; enum glint_progress_style style; } styles[] = {
+static const struct {
+    const char *name;
+    enum glint_progress_style style;
+} styles[] = {
     {"none", GLINT_PROGRESS_NONE},
     {"bar", GLINT_PROGRESS_BAR},
     {"plain", GLINT_PROGRESS_PLAIN},

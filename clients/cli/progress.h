@@ -23,11 +23,11 @@ struct glint_progress {
 };
 
 struct glint_progress_state {
-    double fraction; // 0..1
+    double fraction;                  // 0..1
     uint32_t samples, target_samples; // target 0: not known
-    double error;       // NAN: not known
-    double eta_seconds; // NAN: not known
-    const char *state;  // of the job
+    double error;                     // NAN: not known
+    double eta_seconds;               // NAN: not known
+    const char *state;                // of the job
 };
 
 // "auto" (or NULL), "bar", "plain", "openjd", "none"; false for another name. auto: the bar if

@@ -30,8 +30,8 @@ static glint_status use_private(struct glint_session *s, struct glint_error *err
     return glint_client_create(&s->client, glint_spawn_url(s->daemon), err);
 }
 
-glint_status glint_session_open(struct glint_session *s, const struct glint_arguments *a, bool spawn,
-                                struct glint_error *err)
+glint_status glint_session_open(struct glint_session *s, const struct glint_arguments *a,
+                                bool spawn, struct glint_error *err)
 {
     const char *server = glint_options_text(a, "server");
     if (!server)
@@ -46,7 +46,7 @@ glint_status glint_session_open(struct glint_session *s, const struct glint_argu
 void glint_session_close(struct glint_session *s, struct glint_error *err)
 {
     glint_progress_finish(&s->progress);
-    if (s->daemon)
+    if (s->daemon && err)
         glint_spawn_explain(s->daemon, err);
     glint_spawn_stop(&s->daemon);
     glint_client_destroy(&s->client);

@@ -13,8 +13,8 @@ struct glint_session {
     glint_client *client;
     glint_daemon *daemon; // the private one, or NULL
     struct glint_progress progress;
-    bool json;  // stdout carries one JSON document
-    bool usage; // the fault is in the command line
+    bool json;      // stdout carries one JSON document
+    bool usage;     // the fault is in the command line
     bool cancelled; // the job was, by whomever
 };
 
@@ -22,10 +22,11 @@ struct glint_session {
 
 // Connects to --server, else $GLINT_SERVER, else the default. With `spawn`, starts a private
 // daemon where none answers there.
-glint_status glint_session_open(struct glint_session *s, const struct glint_arguments *a, bool spawn,
-                                struct glint_error *err);
+glint_status glint_session_open(struct glint_session *s, const struct glint_arguments *a,
+                                bool spawn, struct glint_error *err);
 
-// Closes the connection and stops the private daemon; if that has died, *err tells.
+// Closes the connection and stops the private daemon. err: what the command failed with, to which
+// is added that this daemon has died, or NULL.
 void glint_session_close(struct glint_session *s, struct glint_error *err);
 
 // Marks what is wrong as the user's command line and appends it (printf); GLINT_E_RANGE.

@@ -16,7 +16,8 @@
 
 #define START_MS 120000 // a first start may have kernels to compile
 #define STOP_MS 10000
-#define LOG_TAIL 1500   // bytes of the log that an error quotes
+#define FAREWELL_MS 1000
+#define LOG_TAIL 1500 // bytes of the log that an error quotes
 
 static const char announcement[] = "glintd: listening on ";
 
@@ -56,7 +57,8 @@ static char *make_state(void)
     return NULL;
 }
 
-static _Noreturn void become_daemon(const char *program, const glint_daemon *d, int out, pid_t parent)
+static _Noreturn void become_daemon(const char *program, const glint_daemon *d, int out,
+                                    pid_t parent)
 {
     glint_interrupt_unblock();
     setpgid(0, 0); // Ctrl-C is for the client, which then cancels its job
@@ -137,7 +139,8 @@ static void quote_log(const glint_daemon *d, struct glint_error *err)
     char text[LOG_TAIL + 1];
     const int fd = open(d->log, O_RDONLY | O_CLOEXEC);
     const off_t size = fd >= 0 ? lseek(fd, 0, SEEK_END) : 0;
-    const ssize_t got = size > 0 ? pread(fd, text, LOG_TAIL, size > LOG_TAIL ? size - LOG_TAIL : 0) : 0;
+    const ssize_t got =
+        size > 0 ? pread(fd, text, LOG_TAIL, size > LOG_TAIL ? size - LOG_TAIL : 0) : 0;
     if (fd >= 0)
         close(fd);
     text[got > 0 ? got : 0] = '\0';
@@ -185,6 +188,8 @@ static bool ended(glint_daemon *d)
 
 void glint_spawn_explain(glint_daemon *daemon, struct glint_error *err)
 {
+    if (err->status == GLINT_E_UNAVAILABLE)
+        glint_interrupt_wait(daemon->pidfd, FAREWELL_MS);
     if (!ended(daemon))
         return;
     glint_fail(err, GLINT_E_UNAVAILABLE, "", "the private daemon has ended");

@@ -21,7 +21,8 @@ glint_status glint_spawn_start(glint_daemon **out, struct glint_error *err);
 // "http://127.0.0.1:PORT"
 const char *glint_spawn_url(const glint_daemon *daemon);
 
-// Appends the end of its log to *err if it has ended by itself.
+// Appends the end of its log to *err if it has ended by itself. After a lost connection: waits a
+// moment for that, since sockets close before their process is gone.
 void glint_spawn_explain(glint_daemon *daemon, struct glint_error *err);
 
 // Terminates it, waits for its end, removes its state. NULL is fine inside.

@@ -12,7 +12,10 @@
 #define GLINT_SSE_LINE ((size_t)1 << 20) // bytes of a line, and of an event's data
 #define GLINT_SSE_NAME 128               // bytes of a name or id with its terminator
 
-struct glint_sse_text { char *bytes; size_t size, capacity; };
+struct glint_sse_text {
+    char *bytes;
+    size_t size, capacity;
+};
 
 // Zero-initialise before use, then set `event` and `user`.
 struct glint_sse {

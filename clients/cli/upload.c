@@ -10,7 +10,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const struct { const char *extension, *type; } types[] = {
+static const struct {
+    const char *extension, *type;
+} types[] = {
     {"glb", "model/gltf-binary"}, {"gltf", "model/gltf-binary"}, {"json", "application/json"},
     {"obj", "model/obj"},         {"ply", "application/ply"},    {"stl", "model/stl"},
 };
@@ -58,7 +60,8 @@ static glint_status put_packed(struct glint_session *s, const char *path, const 
     glint_status status = glint_pack_gltf(path, &glb, &size, err);
     if (status)
         return status;
-    status = put(s, name, &(struct glint_body){.type = type, .bytes = glb, .size = size}, scene, err);
+    status =
+        put(s, name, &(struct glint_body){.type = type, .bytes = glb, .size = size}, scene, err);
     free(glb);
     return status;
 }

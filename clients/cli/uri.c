@@ -132,7 +132,8 @@ glint_status glint_uri_read_file(const char *path, struct glint_blob *out, const
 static bool inside(const char *directory, const char *path)
 {
     const size_t length = strlen(directory);
-    return strncmp(path, directory, length) == 0 && (path[length] == '/' || directory[length - 1] == '/');
+    return strncmp(path, directory, length) == 0 &&
+           (path[length] == '/' || directory[length - 1] == '/');
 }
 
 static glint_status read_relative(const char *directory, const char *name, struct glint_blob *out,
@@ -146,7 +147,8 @@ static glint_status read_relative(const char *directory, const char *name, struc
     if (!real)
         status = glint_fail(err, GLINT_E_RANGE, pointer, "%s: %s", name, strerror(errno));
     else if (!inside(directory, real))
-        status = glint_fail(err, GLINT_E_RANGE, pointer, "%s: outside the directory of the file", name);
+        status =
+            glint_fail(err, GLINT_E_RANGE, pointer, "%s: outside the directory of the file", name);
     else
         status = glint_uri_read_file(real, out, pointer, err);
     free(real);

@@ -7,7 +7,9 @@
 
 #include <stdint.h>
 
-struct glint_dice { uint64_t state; };
+struct glint_dice {
+    uint64_t state;
+};
 
 static inline uint64_t glint_dice_next(struct glint_dice *dice)
 {

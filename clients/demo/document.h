@@ -16,7 +16,9 @@ void glint_document_init(struct glint_document *d);
 void glint_document_finish(struct glint_document *d);
 
 // A material; what is not given is added to what comes back.
-struct glint_look { double color[3], roughness, metallic, transmission, ior; };
+struct glint_look {
+    double color[3], roughness, metallic, transmission, ior;
+};
 cJSON *glint_document_material(struct glint_document *d, const char *id,
                                const struct glint_look *look);
 

@@ -30,7 +30,8 @@ static void sky(double y, double a, double rgb[3])
     const double glow = 1 + 0.6 * cos(a - 2.2);
     for (int k = 0; k < 3; k++)
         rgb[k] = (y < 0 ? floor_[k] + (low[k] - floor_[k]) * t * t * t
-                        : low[k] + (high[k] - low[k]) * t) * glow;
+                        : low[k] + (high[k] - low[k]) * t) *
+                 glow;
 }
 
 static void to_rgbe(const double rgb[3], unsigned char out[4])

@@ -3,16 +3,22 @@
 #include <math.h>
 #include <stdio.h>
 
-static const struct { const char *name; unsigned srgb; } ceramics[GLINT_PALETTE_COLORS] = {
-    {"ink", 0x22304f},        {"indigo", 0x2f4a7d}, {"denim", 0x4a72a4},  {"sky", 0x86b3c9},
-    {"petrol", 0x1f6f78},     {"jade", 0x3f9a86},   {"sage", 0x93b48b},   {"moss", 0x6d8142},
-    {"pear", 0xc3c15a},       {"cream", 0xf1e4c8},  {"honey", 0xe9b44c},  {"amber", 0xdf8a2f},
-    {"terracotta", 0xc65a35}, {"coral", 0xe0775f},  {"blush", 0xe7b0a0},  {"cherry", 0xa72c3a},
+static const struct {
+    const char *name;
+    unsigned srgb;
+} ceramics[GLINT_PALETTE_COLORS] = {
+    {"ink", 0x22304f},        {"indigo", 0x2f4a7d}, {"denim", 0x4a72a4}, {"sky", 0x86b3c9},
+    {"petrol", 0x1f6f78},     {"jade", 0x3f9a86},   {"sage", 0x93b48b},  {"moss", 0x6d8142},
+    {"pear", 0xc3c15a},       {"cream", 0xf1e4c8},  {"honey", 0xe9b44c}, {"amber", 0xdf8a2f},
+    {"terracotta", 0xc65a35}, {"coral", 0xe0775f},  {"blush", 0xe7b0a0}, {"cherry", 0xa72c3a},
     {"plum", 0x6d3155},       {"violet", 0x54447f},
 };
 
 // Reflectance of the metals at normal incidence, linear Rec. 709.
-static const struct { const char *id; struct glint_look look; } others[] = {
+static const struct {
+    const char *id;
+    struct glint_look look;
+} others[] = {
     {"polished gold", {{1.00, 0.77, 0.34}, 0.12, 1, 0, 0}},
     {"satin brass", {{0.91, 0.74, 0.42}, 0.28, 1, 0, 0}},
     {"satin copper", {{0.95, 0.64, 0.54}, 0.24, 1, 0, 0}},

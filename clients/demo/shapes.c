@@ -217,7 +217,8 @@ static double bump(const double wave[6][4], const double d[3])
 {
     double height = 1;
     for (int i = 0; i < 6; i++)
-        height += 0.035 * sin(wave[i][0] * d[0] + wave[i][1] * d[1] + wave[i][2] * d[2] + wave[i][3]);
+        height +=
+            0.035 * sin(wave[i][0] * d[0] + wave[i][1] * d[1] + wave[i][2] * d[2] + wave[i][3]);
     return height;
 }
 

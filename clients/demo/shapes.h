@@ -21,7 +21,10 @@ struct glint_shape {
 void glint_shape_finish(struct glint_shape *shape);
 
 // The outline of a body of revolution: (radius, height), from the bottom up on its outside.
-struct glint_profile { double point[256][2]; size_t points; };
+struct glint_profile {
+    double point[256][2];
+    size_t points;
+};
 void glint_profile_add(struct glint_profile *profile, double radius, double height);
 
 // An arc about (radius, height) from angle `from` to `to` (0: outward, pi/2: up) in `steps` pieces.

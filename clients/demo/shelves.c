@@ -149,7 +149,8 @@ static void put_thing(struct glint_document *d, struct glint_dice *dice, struct 
         snprintf(mesh, sizeof mesh, "pebble%u", glint_dice_below(dice, PEBBLES));
     else
         snprintf(mesh, sizeof mesh, "%s", kinds[kind]);
-    snprintf(name, sizeof name, "shelf%02d/%s%03d", row->shelf + 1, kinds[kind], ++row->count[kind]);
+    snprintf(name, sizeof name, "shelf%02d/%s%03d", row->shelf + 1, kinds[kind],
+             ++row->count[kind]);
     choose_material(dice, along, row->shelf, material);
     glint_document_put(d, name, mesh, material, kinds[kind], &p);
 }

@@ -14,17 +14,17 @@
 static void put(struct glint_document *d, const char *name, const char *mesh, const char *material,
                 const char *asset, double x, double y, double z, double turn)
 {
-    glint_document_put(d, name, mesh, material, asset,
-                       &(struct glint_place){.at = {x, y + GAP, z}, .turn = turn,
-                                             .scale = {1, 1, 1}});
+    glint_document_put(
+        d, name, mesh, material, asset,
+        &(struct glint_place){.at = {x, y + GAP, z}, .turn = turn, .scale = {1, 1, 1}});
 }
 
 static void put_ball(struct glint_document *d, const char *name, const char *mesh,
                      const char *material, const char *asset, double x, double z, double radius)
 {
-    glint_document_put(d, name, mesh, material, asset,
-                       &(struct glint_place){.at = {x, radius + GAP, z},
-                                             .scale = {radius, radius, radius}});
+    glint_document_put(
+        d, name, mesh, material, asset,
+        &(struct glint_place){.at = {x, radius + GAP, z}, .scale = {radius, radius, radius}});
 }
 
 static void add_stage(struct glint_document *d)
@@ -44,17 +44,19 @@ static void add_stage(struct glint_document *d)
 // Beads that touch the wall and not each other: one below, then rings of them.
 static void fill_bowl(struct glint_document *d, double inner, double centre)
 {
-    static const struct { double tilt; int beads; } rings[] = {{0, 1}, {0.545, 6}, {1.08, 10}};
+    static const struct {
+        double tilt;
+        int beads;
+    } rings[] = {{0, 1}, {0.545, 6}, {1.08, 10}};
     const double bead = 0.0565, reach = inner - bead - GAP;
     int number = 0;
     for (size_t r = 0; r < sizeof rings / sizeof *rings; r++)
         for (int i = 0; i < rings[r].beads; i++) {
             const double a = 2 * M_PI * (i + 0.3 * (double)r) / rings[r].beads;
-            const struct glint_place p = {
-                .at = {BOWL_X + reach * sin(rings[r].tilt) * sin(a),
-                       centre - reach * cos(rings[r].tilt) + GAP,
-                       BOWL_Z + reach * sin(rings[r].tilt) * cos(a)},
-                .scale = {bead, bead, bead}};
+            const struct glint_place p = {.at = {BOWL_X + reach * sin(rings[r].tilt) * sin(a),
+                                                 centre - reach * cos(rings[r].tilt) + GAP,
+                                                 BOWL_Z + reach * sin(rings[r].tilt) * cos(a)},
+                                          .scale = {bead, bead, bead}};
             char name[32], material[40];
             snprintf(name, sizeof name, "bowl/bead%03d", ++number);
             snprintf(material, sizeof material, "glazed %s",
@@ -108,7 +110,8 @@ static void fill_tumbler(struct glint_document *d, double foot)
         glint_document_put(d, name, "rod", material, "rod",
                            &(struct glint_place){.at = {TUMBLER_X + 0.062 * sin(a), foot + 0.006,
                                                         TUMBLER_Z + 0.062 * cos(a)},
-                                                 .turn = a, .lean = 0.13,
+                                                 .turn = a,
+                                                 .lean = 0.13,
                                                  .scale = {0.045, 0.24 + 0.02 * (i % 3), 0.045}});
     }
 }
@@ -152,15 +155,18 @@ static void add_mirror(struct glint_document *d)
     const double lean = 0.2;
     glint_document_put(d, "mirror", "mirror", "mirror", "metal",
                        &(struct glint_place){.at = {0.76, r * cos(lean) + t + GAP, 0.02},
-                                             .turn = -0.85, .lean = M_PI / 2 - lean,
+                                             .turn = -0.85,
+                                             .lean = M_PI / 2 - lean,
                                              .scale = {1, 1, 1}});
 }
 
 // Drops of gold before everything else.
 static void add_drops(struct glint_document *d)
 {
-    static const double drop[5][3] = {{-0.46, 0.98, 0.045}, {-0.30, 1.06, 0.028},
-                                      {0.12, 1.02, 0.036}, {-0.62, 0.86, 0.026},
+    static const double drop[5][3] = {{-0.46, 0.98, 0.045},
+                                      {-0.30, 1.06, 0.028},
+                                      {0.12, 1.02, 0.036},
+                                      {-0.62, 0.86, 0.026},
                                       {0.24, 1.10, 0.022}};
     for (int i = 0; i < 5; i++) {
         char name[24];
@@ -177,7 +183,9 @@ static void add_ring(struct glint_document *d)
     glint_document_mesh(d, "torus", &shape);
     glint_document_put(d, "gold ring", "torus", "polished gold", "metal",
                        &(struct glint_place){.at = {0.10, major + minor + GAP, -0.36},
-                                             .turn = 0.45, .lean = M_PI / 2, .scale = {1, 1, 1}});
+                                             .turn = 0.45,
+                                             .lean = M_PI / 2,
+                                             .scale = {1, 1, 1}});
 }
 
 void glint_compose_still_life(struct glint_document *d)

@@ -43,9 +43,18 @@ static void malformed_data_is_refused(void **state)
 {
     (void)state;
     static const char *const bad[] = {
-        "data:", "data:,", "data:;base64", "data:;base64,Z", "data:;base64,Zg=", "data:;base64,Zg",
-        "data:;base64,Z===", "data:;base64,====", "data:;base64,Zg==Zg==", "data:;base64,Z g=",
-        "data:;base64,Zm9-", "data:;base16,00",
+        "data:",
+        "data:,",
+        "data:;base64",
+        "data:;base64,Z",
+        "data:;base64,Zg=",
+        "data:;base64,Zg",
+        "data:;base64,Z===",
+        "data:;base64,====",
+        "data:;base64,Zg==Zg==",
+        "data:;base64,Z g=",
+        "data:;base64,Zm9-",
+        "data:;base16,00",
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct glint_blob blob;
