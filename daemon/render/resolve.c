@@ -6,6 +6,8 @@
 #include "render/internal.h"
 #include "render/ranking.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -84,6 +86,12 @@ struct at {
     size_t out;       // pixel of the frame
 };
 
+// The square of a light that single precision holds may lie beyond it.
+static float square(double x)
+{
+    return (float)fmin(x * x, FLT_MAX);
+}
+
 static void resolve_colour(const struct at *a, const struct planes *p)
 {
     const uint32_t na = glint_half_samples(a->samples, 0), nb = glint_half_samples(a->samples, 1);
@@ -94,7 +102,7 @@ static void resolve_colour(const struct at *a, const struct planes *p)
         if (p->rgba[0])
             p->rgba[c][a->out] = (float)((ma * na + mb * nb) / a->samples);
         if (p->variance[0])
-            p->variance[c][a->out] = nb ? (float)(0.25 * (ma - mb) * (ma - mb)) : 0.0f;
+            p->variance[c][a->out] = nb ? square(0.5 * (ma - mb)) : 0.0f;
     }
     if (p->rgba[0])
         p->rgba[3][a->out] = (float)((double)hits[a->i] / a->samples);
