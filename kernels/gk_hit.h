@@ -95,7 +95,8 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
     hit.tu = w * tri->uv[0] + raw.u * tri->uv[2] + raw.v * tri->uv[4];
     hit.tv = w * tri->uv[1] + raw.u * tri->uv[3] + raw.v * tri->uv[5];
 
-    const struct gk_vec front = gk_normalise(gk_instance_normal(row, raw.ng));
+    // As long as its triangle is large: the square of a small one's would underflow.
+    const struct gk_vec front = gk_normalise_any(gk_instance_normal(row, raw.ng));
     hit.cos_g = gk_dot(front, d);
     hit.ng = gk_vec_select(front, gk_negate(front), hit.cos_g > 0.0f);
     const struct gk_vec smooth = gk_interpolate3(tri->normal, raw.u, raw.v);

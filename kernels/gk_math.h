@@ -15,7 +15,6 @@
 #define GK_HALF_PI 1.57079633f
 #define GK_QUARTER_PI 0.785398163f
 #define GK_INV_PI 0.318309886f
-#define GK_INV_TWO_PI 0.159154943f
 #define GK_INFINITY INFINITY
 #define GK_UNIT 5.9604645e-8f // 2^-24: half an ulp of 1, the u of error bounds
 
@@ -67,11 +66,6 @@ GK_INLINE gk_i32 gk_isfinite(gk_f32 x)
     return (gk_as_u32(x) & 0x7f800000u) != 0x7f800000u;
 }
 
-GK_INLINE gk_f32 gk_sqr(gk_f32 x)
-{
-    return x * x;
-}
-
 // Correctly rounded; x < 0 gives NaN.
 GK_INLINE gk_f32 gk_sqrt(gk_f32 x)
 {
@@ -82,26 +76,10 @@ GK_INLINE gk_f32 gk_sqrt(gk_f32 x)
 #endif
 }
 
-// sqrt of x, or 0 where rounding made it negative.
-GK_INLINE gk_f32 gk_safe_sqrt(gk_f32 x)
-{
-    return gk_sqrt(gk_max(x, 0.0f));
-}
-
 // 1.5 ulp; 0 gives inf, inf gives 0.
 GK_INLINE gk_f32 gk_rsqrt(gk_f32 x)
 {
     return 1.0f / gk_sqrt(x);
-}
-
-// a * b + c rounded once. A library call where the processor has no such instruction.
-GK_INLINE gk_f32 gk_fma(gk_f32 a, gk_f32 b, gk_f32 c)
-{
-#ifdef GK_DEVICE
-    return fma(a, b, c);
-#else
-    return fmaf(a, b, c);
-#endif
 }
 
 // Exact for every x, inf and NaN included; -0 gives 0.
@@ -110,17 +88,6 @@ GK_INLINE gk_f32 gk_floor(gk_f32 x)
     const gk_f32 t = (gk_f32)(gk_i32)gk_clamp(x, -8388608.0f, 8388608.0f);
     const gk_f32 floor_x = gk_select(t, t - 1.0f, t > x);
     return gk_select(x, floor_x, gk_abs(x) < 8388608.0f); // larger ones are integers
-}
-
-GK_INLINE gk_f32 gk_mix(gk_f32 a, gk_f32 b, gk_f32 t)
-{
-    return a * (1.0f - t) + b * t;
-}
-
-// Rec. 709, Y of D65 white = 1.
-GK_INLINE gk_f32 gk_luminance(gk_f32 r, gk_f32 g, gk_f32 b)
-{
-    return 0.2126f * r + 0.7152f * g + 0.0722f * b;
 }
 
 // sin and cos of 2 pi u, |u| <= 2^21. Absolute error <= 1.5e-7; exact where 4 u is an integer.

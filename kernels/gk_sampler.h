@@ -105,12 +105,4 @@ GK_INLINE void gk_sample_2d(gk_u32 base, gk_u32 index, gk_u32 pair, gk_f32 *u, g
     *v = gk_unit_float(b);
 }
 
-// The u of gk_sample_2d().
-GK_INLINE gk_f32 gk_sample_1d(gk_u32 base, gk_u32 index, gk_u32 pair)
-{
-    gk_f32 u, v;
-    gk_sample_2d(base, index, pair, &u, &v);
-    return u;
-}
-
 #endif

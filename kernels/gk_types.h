@@ -18,7 +18,6 @@ typedef ulong gk_u64; // not in the hot path: vectorised 64-bit multiplies are s
 // Always: a call that is left over keeps the whole work-item loop from being vectorised.
 #define GK_INLINE static inline __attribute__((always_inline))
 #define GK_GLOBAL __global
-#define GK_CONSTANT __constant
 #define GK_LAYOUT(tag, bytes) \
     typedef char gk_layout_of_##tag[sizeof(struct tag) == (bytes) ? 1 : -1]
 
@@ -35,7 +34,6 @@ typedef uint64_t gk_u64;
 
 #define GK_INLINE static inline
 #define GK_GLOBAL
-#define GK_CONSTANT
 #define GK_LAYOUT(tag, bytes) _Static_assert(sizeof(struct tag) == (bytes), #tag)
 
 #endif

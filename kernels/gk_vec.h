@@ -78,6 +78,13 @@ GK_INLINE struct gk_vec gk_normalise(struct gk_vec a)
     return gk_scale(a, s);
 }
 
+// The same for any length that a float can have; a zero vector becomes +z.
+GK_INLINE struct gk_vec gk_normalise_any(struct gk_vec a)
+{
+    gk_safe_normalise(&a.x, &a.y, &a.z);
+    return a;
+}
+
 GK_INLINE gk_f32 gk_mean3(struct gk_vec a)
 {
     return (a.x + a.y + a.z) * (1.0f / 3.0f);

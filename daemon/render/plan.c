@@ -53,11 +53,11 @@ static cJSON *describe_effect(const struct glint_plan *plan, const struct glint_
     const struct glint_effect *e = &glint_effect_table[i];
     const bool on = plan->on >> i & 1, called = plan->called >> i & 1;
     char reason[256];
-    snprintf(reason, sizeof reason, "%s%s",
-             called ? "called for by "
-             : on   ? "forced; not called for by "
-                    : "no ",
-             !called && !on && strncmp(e->cause, "a ", 2) == 0 ? e->cause + 2 : e->cause);
+    snprintf(reason, sizeof reason, "%s %s",
+             called ? "called for by"
+             : on   ? "forced; would be called for by"
+                    : "off; would be called for by",
+             e->cause);
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "effect", e->name);
     cJSON_AddBoolToObject(o, "on", on);

@@ -72,7 +72,8 @@ struct run {
     const struct glint_wave_block *block;
     struct glint_error *err;
     uint32_t pixels_log2, lanes;
-    double mark; // when the last pass ended
+    double mark;    // when the last pass ended
+    bool compiling; // over no item, in the largest grid there will be
 };
 
 static void charge(struct run *r, enum glint_pass pass)
@@ -91,16 +92,17 @@ static void charge(struct run *r, enum glint_pass pass)
         .value = &(v), .size = sizeof(v) \
     }
 
-// Kernels do nothing beyond their n; one group at least, so that n = 0 still compiles them.
-static size_t rounded(uint32_t n)
+// Kernels do nothing beyond their n, so a grid may be larger. PoCL specialises a kernel for the
+// largest grid it has seen; if workers were the first to bring a larger one, each would compile it.
+static size_t grid_of(const struct run *r, uint32_t n)
 {
-    return n ? (n + GROUP - 1) / GROUP * (size_t)GROUP : GROUP;
+    return r->compiling ? GLINT_WAVE_LANES : (n + GROUP - 1) / GROUP * (size_t)GROUP;
 }
 
-static glint_status launch(struct run *r, const char *kernel, uint32_t items,
+static glint_status launch(struct run *r, const char *kernel, uint32_t n,
                            const struct glint_arg *args, size_t count)
 {
-    return glint_launch(r->worker, r->job->program, kernel, rounded(items), GROUP, args, count,
+    return glint_launch(r->worker, r->job->program, kernel, grid_of(r, n), GROUP, args, count,
                         r->err);
 }
 
@@ -240,7 +242,8 @@ glint_status glint_wave_run(glint_wave *wave, glint_worker *worker,
                             const struct glint_wave_job *job, const struct glint_wave_block *block,
                             glint_film *film, struct glint_error *err)
 {
-    struct run r = {wave, worker, job, block, err, 8 + 2 * block->tiles_log2, 0, glint_now()};
+    struct run r = {wave, worker,      job,  block, err, 8 + 2 * block->tiles_log2,
+                    0,    glint_now(), false};
     r.lanes = block->samples << r.pixels_log2;
     glint_status st = trace_paths(&r);
     const uint32_t side = 1u << block->tiles_log2;
@@ -278,7 +281,8 @@ glint_status glint_wave_compile(glint_devices *devices, const struct glint_wave_
     glint_status st = glint_wave_create(&wave, devices, err);
     if (st)
         return st;
-    struct run r = {wave, glint_devices_spare(devices), job, &nothing, err, 0, 0, glint_now()};
+    struct run r = {wave, glint_devices_spare(devices), job, &nothing, err, 0, 0, glint_now(),
+                    true};
     pthread_mutex_lock(&one_at_a_time);
     st = launch_all(&r);
     pthread_mutex_unlock(&one_at_a_time);

@@ -47,7 +47,7 @@ GK_INLINE void probe_math(gk_u32 i, GK_GLOBAL gk_u32 *out)
     PROBE_PUT_F32(9, gk_sqrt(gk_abs(wide)));
     PROBE_PUT_F32(10, gk_rsqrt(gk_abs(wide)));
     PROBE_PUT_F32(11, gk_floor(wide));
-    PROBE_PUT_F32(12, gk_fma(wide, y, u));
+    PROBE_PUT_F32(12, wide * y + u);
     PROBE_PUT(13, (gk_u32)gk_safe_normalise(&a, &b, &d));
     PROBE_PUT_F32(14, a);
     PROBE_PUT_F32(15, b + d);
@@ -94,7 +94,8 @@ GK_INLINE struct gk_vec probe_direction(gk_u32 i, gk_u32 k)
     gk_f32 s, c;
     const gk_f32 z = 2.0f * probe_uniform(i, k) - 1.0f;
     gk_sincos_2pi(probe_uniform(i, k + 1u), &s, &c);
-    return gk_vec(gk_safe_sqrt(1.0f - z * z) * c, gk_safe_sqrt(1.0f - z * z) * s, z);
+    const gk_f32 r = gk_sqrt(gk_max(1.0f - z * z, 0.0f));
+    return gk_vec(r * c, r * s, z);
 }
 
 GK_INLINE void probe_bsdf(gk_u32 i, GK_GLOBAL gk_u32 *out)
@@ -105,7 +106,7 @@ GK_INLINE void probe_bsdf(gk_u32 i, GK_GLOBAL gk_u32 *out)
     s.base = gk_vec(probe_uniform(i, 3), probe_uniform(i, 4), probe_uniform(i, 5));
     s.metallic = gk_saturate(2.0f * probe_uniform(i, 6) - 0.5f);
     s.transmission = gk_saturate(2.0f * probe_uniform(i, 7) - 0.5f);
-    s.alpha = gk_sqr(probe_uniform(i, 8));
+    s.alpha = probe_uniform(i, 8) * probe_uniform(i, 8);
     s.eta = i & 1u ? 1.5f : 1.0f / 1.5f;
     s.fresnel_mean = 0.0918f;
     s.thin = (gk_i32)(i >> 1 & 1u);
