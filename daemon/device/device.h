@@ -30,7 +30,9 @@ uint32_t glint_devices_workers(const glint_devices *devices);
 glint_worker *glint_devices_worker(glint_devices *devices, uint32_t index);
 // One worker more, that renders nothing: PoCL compiles a kernel when it is first launched, seconds
 // of work, so whoever prepares a job launches its kernels here before any real worker does. One
-// thread at a time.
+// thread at a time. The grid must be the widest that any worker will use: PoCL 3.1 makes a new entry
+// of its cache for every wider one but counts uses at the newest, so that workers who bring a wider
+// grid while another runs the kernel end the process (pocl_release_dlhandle_cache: ref_count > 0).
 glint_worker *glint_devices_spare(glint_devices *devices);
 uint32_t glint_worker_index(const glint_worker *worker);
 
