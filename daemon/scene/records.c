@@ -113,9 +113,43 @@ static void store_unit(const double v[3], float out[3])
 
 static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
+static void note_clamps(const struct glint_texture *t, bool clamps[2])
+{
+    clamps[0] |= t->image != GLINT_NONE && t->wrap_u == GLINT_WRAP_CLAMP;
+    clamps[1] |= t->image != GLINT_NONE && t->wrap_v == GLINT_WRAP_CLAMP;
+}
+
+// Along which axes a texture on the row, or on any other that shares its template, has an end.
+static void find_clamps(const struct glint_resident *r, const struct glint_row *row, bool clamps[2])
+{
+    const bool alone = row->template_index == GLINT_NONE;
+    const struct glint_row *other = alone ? row : r->row;
+    const struct glint_row *const end = alone ? row + 1 : r->row + r->rows;
+    for (; other < end; other++) {
+        if (other->template_index != row->template_index || other->material >= r->scene->materials)
+            continue;
+        const struct glint_material *m = &r->scene->material[other->material];
+        note_clamps(&m->base_color_texture, clamps);
+        note_clamps(&m->metallic_roughness_texture, clamps);
+        note_clamps(&m->normal_texture, clamps);
+        note_clamps(&m->emission_texture, clamps);
+    }
+}
+
+// Takes whole periods off the three coordinates of an axis: far from 0 a float has no digits left
+// for the fraction. In pairs, which a mirroring wrap does not see either.
+static void centre_periods(float *uv)
+{
+    const double lo = fmin(uv[0], fmin(uv[2], uv[4])), hi = fmax(uv[0], fmax(uv[2], uv[4]));
+    const double periods = 2.0 * rint((lo + hi) / 4.0);
+    for (int c = 0; c < 3; c++)
+        uv[2 * c] = (float)(uv[2 * c] - periods);
+}
+
 // flip: the winding is turned, so that the geometric normal keeps its side under a mirroring.
 static void fill_triangles(struct gk_triangle *out, const struct glint_mesh *m,
-                           const struct glint_kept *k, const double normal[9], bool flip)
+                           const struct glint_kept *k, const double normal[9], bool flip,
+                           const bool clamps[2])
 {
     for (uint32_t i = 0; i < k->triangles; i++) {
         struct gk_triangle *t = &out[i];
@@ -131,6 +165,9 @@ static void fill_triangles(struct gk_triangle *out, const struct glint_mesh *m,
             if (m->uv)
                 memcpy(t->uv + 2 * c, m->uv + 2 * v, 8);
         }
+        for (int axis = 0; axis < 2; axis++)
+            if (!clamps[axis])
+                centre_periods(t->uv + axis);
     }
 }
 
@@ -231,7 +268,9 @@ static glint_status fill_row(struct glint_resident *r, uint32_t index, bool *fil
         filled[row->template_index] = true;
     const bool flip = !placed && glint_row_determinant(row) < 0.0;
     struct gk_triangle *t = (struct gk_triangle *)glint_buffer_host(r->triangle) + row->triangle;
-    fill_triangles(t, row->mesh, k, placed ? identity : normal, flip);
+    bool clamps[2] = {false, false};
+    find_clamps(r, row, clamps);
+    fill_triangles(t, row->mesh, k, placed ? identity : normal, flip, clamps);
     if (!r->facts.normal_maps)
         return GLINT_OK;
     struct gk_tangent *g = (struct gk_tangent *)glint_buffer_host(r->tangent) + row->triangle;
