@@ -27,6 +27,7 @@ UNIT_TESTS = \
 	tests/unit/test_dials \
 	tests/unit/test_exr \
 	tests/unit/test_film \
+	tests/unit/test_folders \
 	tests/unit/test_frame \
 	tests/unit/test_http \
 	tests/unit/test_image_decode \

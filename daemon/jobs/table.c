@@ -129,7 +129,7 @@ bool glint_job_table_make_room(struct glint_job_table *table, uint64_t wanted, u
     uint64_t live = wanted, ended = 0;
     for (size_t i = 0; i < table->count; i++) {
         const struct glint_entry *e = table->entry[i];
-        if (e->render || e->preparing)
+        if (e->render)
             *(glint_state_ended(e->state) ? &ended : &live) += e->film_bytes;
     }
     if (live > limit)

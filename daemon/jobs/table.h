@@ -90,7 +90,8 @@ void glint_job_table_remove(struct glint_job_table *table, struct glint_entry *e
 struct glint_entry *glint_job_table_trim(struct glint_job_table *table);
 
 // Scheduler only: takes as many of the oldest ended jobs out as hold the film that is too much for
-// `wanted` more within `limit`. False, and nothing done, where that cannot be enough.
+// `wanted` more within `limit`. False, and nothing done, where that cannot be enough. No film may
+// be in preparation: it is not counted.
 bool glint_job_table_make_room(struct glint_job_table *table, uint64_t wanted, uint64_t limit,
                                struct glint_entry **gone);
 
