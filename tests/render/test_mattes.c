@@ -37,7 +37,7 @@ static double share_of(size_t i, const struct thing *t)
 // n independent samples would be further off once in two million; ours are better spread.
 static void assert_share(double got, double want, double n)
 {
-    const double bound = RARE * sqrt(want * (1.0 - want) / n) + 1e-6;
+    const double bound = RARE * sqrt(want * fmax(0.0, 1.0 - want) / n) + 1e-6;
     if (fabs(got - want) > bound)
         print_error("coverage %.6f where %.6f is expected\n", got, want);
     assert_true(fabs(got - want) <= bound);
@@ -199,8 +199,9 @@ static void materials_and_assets_are_sums_of_their_objects(void **state)
 static void objects_with_equal_names_share_one_matte(void **state)
 {
     (void)state;
-    const struct thing pair[] = {{"twin", "red", "", -0.25, 0.1, 0, 6.5, 4, NULL, false},
-                                 {"twin", "blue", "", 5.5, 0.1, 0, 5, 4, NULL, false}};
+    // They meet inside a column of pixels.
+    const struct thing pair[] = {{"twin", "red", "", -0.25, 0.1, 0, 6.7, 4, NULL, false},
+                                 {"twin", "blue", "", 5.6, 0.1, 0, 5, 4, NULL, false}};
     struct shot s;
     shoot_things(&s, pair, 2, "", BOX, 1024);
     for (size_t i = 0; i < pixels(s.frame); i++) {
@@ -217,7 +218,7 @@ static void objects_with_equal_names_share_one_matte(void **state)
                      GLINT_OK);
     assert_int_equal(count, 1);
     assert_string_equal(total->name, "twin");
-    assert_float_equal(total->coverage, 6.5 * 4 + 5 * 4, 0.05);
+    assert_float_equal(total->coverage, 6.7 * 4 + 5 * 4, 0.05);
     free(total);
     finish_shot(&s);
 }
@@ -248,22 +249,34 @@ static void equal_coverages_are_ranked_by_the_bits_of_their_ids(void **state)
     glint_resident_release(&scene);
 }
 
-static void ranks_descend_and_the_background_is_one_of_them(void **state)
+static void assert_ranked(const struct glint_frame *f, const char *type, size_t pixel)
+{
+    for (uint32_t k = 1; k < 16; k++) {
+        const float before = rank_coverage(f, type, k - 1, pixel),
+                    c = rank_coverage(f, type, k, pixel);
+        const uint32_t id = rank_id(f, type, k, pixel);
+        assert_true(before >= c);
+        assert_true(c > 0.0f || id == 0);
+        assert_true(before > c || c == 0.0f || rank_id(f, type, k - 1, pixel) < id);
+        for (uint32_t j = 0; j < k && c > 0.0f; j++)
+            assert_true(rank_id(f, type, j, pixel) != id);
+    }
+}
+
+static void ranks_descend_each_id_has_one_and_so_has_the_background(void **state)
 {
     (void)state;
     struct shot s;
     shoot_things(&s, crowd, CROWD, LENS, ALL_RANKS, 96);
     bool background_below_another = false;
-    for (size_t i = 0; i < pixels(s.frame); i++)
-        for (uint32_t k = 1; k < 16; k++) {
-            const float before = rank_coverage(s.frame, "CryptoObject", k - 1, i);
-            const float c = rank_coverage(s.frame, "CryptoObject", k, i);
-            const uint32_t id = rank_id(s.frame, "CryptoObject", k, i);
-            assert_true(before >= c);
-            assert_true(before > c || c == 0.0f || rank_id(s.frame, "CryptoObject", k - 1, i) < id);
-            assert_true(c > 0.0f || id == 0);
-            background_below_another |= c > 0.0f && id == 0;
-        }
+    for (size_t i = 0; i < pixels(s.frame); i++) {
+        assert_ranked(s.frame, "CryptoObject", i);
+        assert_ranked(s.frame, "CryptoMaterial", i);
+        assert_ranked(s.frame, "CryptoAsset", i);
+        for (uint32_t k = 1; k < 16; k++)
+            background_below_another |= rank_coverage(s.frame, "CryptoObject", k, i) > 0.0f &&
+                                        rank_id(s.frame, "CryptoObject", k, i) == 0;
+    }
     assert_true(background_below_another);
     finish_shot(&s);
 }
@@ -339,6 +352,23 @@ static double strip_totals(const struct shot *s, double covered[STRIPS])
     return lost;
 }
 
+// Coverage of the union of all strips.
+static double strips_together(const struct shot *s)
+{
+    char name[STRIPS][8];
+    const char *names[STRIPS];
+    struct glint_frame *matte;
+    for (size_t i = 0; i < STRIPS; i++) {
+        snprintf(name[i], sizeof name[i], "s%zu", i);
+        names[i] = name[i];
+    }
+    assert_int_equal(glint_render_matte(s->render, GLINT_MATTE_OBJECT, names, STRIPS, &matte, NULL),
+                     GLINT_OK);
+    const double coverage = glint_frame_find(matte, "A")[0];
+    glint_frame_destroy(&matte);
+    return coverage;
+}
+
 // What each strip gets where the table has room for all that are told apart.
 static void true_coverages(double covered[STRIPS])
 {
@@ -374,6 +404,7 @@ static void what_finds_no_slot_is_reported_and_credited_to_nobody(void **state)
         assert_int_equal(held, slots);
         assert_true(lost > 0.0);
         assert_float_equal(kept + lost, 1.0, 1e-12);
+        assert_float_equal(strips_together(&s), kept, 1e-6);
         finish_shot(&s);
     }
 }
@@ -402,7 +433,7 @@ int main(void)
         cmocka_unit_test(materials_and_assets_are_sums_of_their_objects),
         cmocka_unit_test(objects_with_equal_names_share_one_matte),
         cmocka_unit_test(equal_coverages_are_ranked_by_the_bits_of_their_ids),
-        cmocka_unit_test(ranks_descend_and_the_background_is_one_of_them),
+        cmocka_unit_test(ranks_descend_each_id_has_one_and_so_has_the_background),
         cmocka_unit_test(fewer_levels_are_the_first_ranks_of_more_whatever_the_slots),
         cmocka_unit_test(what_finds_no_slot_is_reported_and_credited_to_nobody),
         cmocka_unit_test(both_evictions_keep_the_same_of_what_is_seen_directly),
