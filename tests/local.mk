@@ -29,6 +29,7 @@ UNIT_TESTS = \
 	tests/unit/test_film \
 	tests/unit/test_folders \
 	tests/unit/test_frame \
+	tests/unit/test_frames \
 	tests/unit/test_http \
 	tests/unit/test_image_decode \
 	tests/unit/test_import \

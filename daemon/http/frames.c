@@ -5,27 +5,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_FRAMES 32
-#define MAX_BYTES ((size_t)256 << 20)
+#define KEY_BYTES 256
 
 struct slot {
-    char key[256];
+    char key[KEY_BYTES];
     struct glint_blob *blob; // NULL: free
     uint64_t used;           // tick of the last use
 };
 
 struct glint_frames {
     pthread_mutex_t mutex;
-    struct slot slot[MAX_FRAMES];
-    size_t bytes;
+    size_t slots, max_bytes, bytes;
     uint64_t tick;
+    struct slot slot[]; // [slots]
 };
 
-glint_status glint_frames_create(glint_frames **out, struct glint_error *err)
+glint_status glint_frames_create(glint_frames **out, size_t slots, size_t bytes,
+                                 struct glint_error *err)
 {
-    *out = calloc(1, sizeof **out);
+    *out = calloc(1, sizeof **out + slots * sizeof(struct slot));
     if (!*out)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the cache of frames");
+    (*out)->slots = slots;
+    (*out)->max_bytes = bytes;
     pthread_mutex_init(&(*out)->mutex, NULL);
     return GLINT_OK;
 }
@@ -42,7 +44,7 @@ void glint_frames_destroy(glint_frames **frames)
     *frames = NULL;
     if (!f)
         return;
-    for (int i = 0; i < MAX_FRAMES; i++)
+    for (size_t i = 0; i < f->slots; i++)
         if (f->slot[i].blob)
             drop(f, &f->slot[i]);
     pthread_mutex_destroy(&f->mutex);
@@ -51,7 +53,7 @@ void glint_frames_destroy(glint_frames **frames)
 
 static struct slot *find(glint_frames *f, const char *key)
 {
-    for (int i = 0; i < MAX_FRAMES; i++)
+    for (size_t i = 0; i < f->slots; i++)
         if (f->slot[i].blob && !strcmp(f->slot[i].key, key))
             return &f->slot[i];
     return NULL;
@@ -73,14 +75,14 @@ static struct slot *make_room(glint_frames *f, size_t bytes)
 {
     for (;;) {
         struct slot *free_slot = NULL, *oldest = NULL;
-        for (int i = 0; i < MAX_FRAMES; i++) {
+        for (size_t i = 0; i < f->slots; i++) {
             struct slot *s = &f->slot[i];
             if (!s->blob)
                 free_slot = s;
             else if (!oldest || s->used < oldest->used)
                 oldest = s;
         }
-        if (free_slot && f->bytes + bytes <= MAX_BYTES)
+        if (free_slot && f->bytes + bytes <= f->max_bytes)
             return free_slot;
         drop(f, oldest);
     }
@@ -88,7 +90,7 @@ static struct slot *make_room(glint_frames *f, size_t bytes)
 
 void glint_frames_keep(glint_frames *frames, const char *key, struct glint_blob *blob)
 {
-    if (blob->size > MAX_BYTES || strlen(key) >= sizeof frames->slot[0].key)
+    if (blob->size > frames->max_bytes || strlen(key) >= KEY_BYTES)
         return;
     pthread_mutex_lock(&frames->mutex);
     if (!find(frames, key)) {

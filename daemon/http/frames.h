@@ -1,4 +1,5 @@
-// frames.h - the encoded frames of ended jobs, each made once; the least lately used go first.
+// frames.h - encoded frames and tiles that several clients want, each made once; the least lately
+// used go first.
 //
 // Thread-safety: any thread.
 #ifndef GLINT_HTTP_FRAMES_H
@@ -8,7 +9,9 @@
 
 typedef struct glint_frames glint_frames;
 
-glint_status glint_frames_create(glint_frames **out, struct glint_error *err);
+// slots, bytes: how many are kept and their size together.
+glint_status glint_frames_create(glint_frames **out, size_t slots, size_t bytes,
+                                 struct glint_error *err);
 void glint_frames_destroy(glint_frames **frames);
 
 // key: what the bytes depend on, at most 255 bytes. NULL: not there. The caller gets a reference.

@@ -18,6 +18,8 @@
 #include <unistd.h>
 
 #define LIBRARY_THREADS 2
+#define FRAME_BYTES ((size_t)256 << 20)
+#define PART_BYTES ((size_t)8 << 20)
 #define CONNECTION_BYTES ((size_t)65536) // a request's header has to fit
 
 bool glint_http_enter(glint_http *http)
@@ -216,7 +218,9 @@ glint_status glint_http_create(glint_http **out, const struct glint_http_params 
     pthread_cond_init(&h->changed, &monotonic);
     pthread_condattr_destroy(&monotonic);
 
-    glint_status st = glint_frames_create(&h->frames, err);
+    glint_status st = glint_frames_create(&h->frames, 32, FRAME_BYTES, err);
+    if (!st)
+        st = glint_frames_create(&h->parts, 64, PART_BYTES, err);
     if (!st)
         st = glint_topics_create(&h->topics, err);
     if (!st)
@@ -283,6 +287,7 @@ void glint_http_destroy(glint_http **http)
         glint_offload_destroy(&h->lane[i]);
     glint_watch_destroy(&h->watch);
     glint_topics_destroy(&h->topics);
+    glint_frames_destroy(&h->parts);
     glint_frames_destroy(&h->frames);
     pthread_cond_destroy(&h->changed);
     pthread_mutex_destroy(&h->mutex);

@@ -35,7 +35,8 @@ struct glint_http {
 
     glint_watch *watch;
     glint_offload *lane[GLINT_LANES];
-    struct glint_frames *frames; // cache of finished frames
+    struct glint_frames *frames; // of ended jobs
+    struct glint_frames *parts;  // of tile streams, for several clients
     struct glint_topics *topics; // events of jobs that somebody watches
 
     pthread_mutex_t lists; // guards these; taken before any stream's mutex

@@ -6,11 +6,13 @@
 // that were superseded in between are never seen.
 #include "base/log.h"
 #include "http/answer.h"
+#include "http/frames.h"
 #include "http/resources.h"
 #include "http/stream.h"
 #include "protocol/exr.h"
 #include "protocol/multipart.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,41 +47,72 @@ static uint64_t *list_news(const glint_render *render, uint64_t cursor, size_t *
     return news;
 }
 
-static bool add_part(struct tiles *s, const struct glint_job_view *view, uint32_t tile,
-                     uint32_t samples, const uint8_t *bytes, size_t size)
-{
-    char text[GLINT_MULTIPART_HEAD_BYTES];
-    struct glint_multipart_head head = {.type = "image/x-exr",
-                                        .length = size,
-                                        .has_tile = true,
-                                        .samples = samples,
-                                        .sequence = s->cursor};
-    glint_render_tile_rect(view->render, tile, head.tile);
-    strncpy(head.revision, view->revision, sizeof head.revision - 1);
-    return glint_stream_add(&s->stream, text, glint_multipart_write_head(text, &head)) &&
-           glint_stream_add(&s->stream, bytes, size);
-}
-
-static bool add_tile(struct tiles *s, const struct glint_job_view *view, uint32_t tile)
+static glint_status encode_tile(const struct glint_job_view *view, uint32_t tile, uint8_t **bytes,
+                                size_t *size, uint32_t *samples, struct glint_error *err)
 {
     static const struct glint_exr_options options = {
         .compression = GLINT_EXR_ZIP, .layout = GLINT_EXR_SINGLE, .zip_level = ZIP_LEVEL};
-    struct glint_error err = {0};
     struct glint_frame *frame = NULL;
-    uint8_t *bytes = NULL;
+    uint64_t version;
+    glint_status st = glint_render_tile(view->render, tile, &frame, samples, &version, err);
+    if (!st)
+        st = glint_exr_write(frame, &options, bytes, size, NULL, err);
+    glint_frame_destroy(&frame);
+    return st;
+}
+
+// Head and body as one. Takes `body`; NULL without memory.
+static struct glint_blob *join(const struct glint_multipart_head *head, uint8_t *body)
+{
+    char text[GLINT_MULTIPART_HEAD_BYTES];
+    const size_t length = glint_multipart_write_head(text, head);
+    uint8_t *bytes = realloc(body, length + head->length);
+    if (!bytes) {
+        free(body);
+        return NULL;
+    }
+    memmove(bytes + length, bytes, head->length);
+    memcpy(bytes, text, length);
+    return glint_blob_take(bytes, length + head->length);
+}
+
+// The part at the cursor; NULL: the stream has to end.
+static struct glint_blob *make_part(struct tiles *s, const struct glint_job_view *view)
+{
+    const uint32_t tile = (uint32_t)(s->cursor % glint_render_tiles(view->render));
+    struct glint_multipart_head head = {
+        .type = "image/x-exr", .has_tile = true, .sequence = s->cursor};
+    struct glint_error err = {0};
+    uint8_t *body = NULL;
     size_t size = 0;
     uint32_t samples = 0;
-    uint64_t version;
-    glint_status st = glint_render_tile(view->render, tile, &frame, &samples, &version, &err);
-    if (!st)
-        st = glint_exr_write(frame, &options, &bytes, &size, NULL, &err);
-    if (st)
+    if (encode_tile(view, tile, &body, &size, &samples, &err)) {
         glint_log(GLINT_LOG_WARNING, "http", s->job, NULL, "tile stream ends: %s",
                   glint_error_text(&err));
-    const bool added = !st && add_part(s, view, tile, samples, bytes, size);
-    glint_error_finish(&err);
-    glint_frame_destroy(&frame);
-    free(bytes);
+        glint_error_finish(&err);
+        return NULL;
+    }
+    head.length = size;
+    head.samples = samples;
+    glint_render_tile_rect(view->render, tile, head.tile);
+    strncpy(head.revision, view->revision, sizeof head.revision - 1);
+    return join(&head, body);
+}
+
+// Several clients of one job are sent the same parts: each is made once.
+static bool add_part(struct tiles *s, const struct glint_job_view *view)
+{
+    glint_frames *parts = s->stream.http->parts;
+    char key[64];
+    snprintf(key, sizeof key, "%s %llu", s->job, (unsigned long long)s->cursor);
+    struct glint_blob *part = glint_frames_find(parts, key);
+    if (!part) {
+        part = make_part(s, view);
+        if (part)
+            glint_frames_keep(parts, key, part);
+    }
+    const bool added = part && glint_stream_add(&s->stream, part->bytes, part->size);
+    glint_blob_release(&part);
     return added;
 }
 
@@ -92,7 +125,7 @@ static bool add_tiles(struct tiles *s, const struct glint_job_view *view)
     while (more && sent < count && s->stream.length < BATCH_BYTES) {
         // Not the version that is read: a newer one comes in its turn, after the tiles between.
         s->cursor = news[sent++];
-        more = add_tile(s, view, (uint32_t)(s->cursor % glint_render_tiles(view->render)));
+        more = add_part(s, view);
     }
     free(news);
     if (!more || sent < count || view->state < GLINT_JOB_DONE)
