@@ -26,13 +26,21 @@ struct glint_devices {
     glint_program *program; // most recently used first
 };
 
-// Kernel objects hold their arguments, so each worker has its own, made at its first launch.
-struct kernel {
+#define GLINT_MAX_KERNELS 64
+
+// The code of a kernel for one size of group, as PoCL has loaded it into the process.
+struct code {
     char name[64];
-    cl_kernel object;
+    size_t group;
+    size_t largest;      // launch that the loaded code is found for, 0: none; see launch.c
+    atomic_uint used_at; // number of loads when it was last launched
 };
 
-#define GLINT_MAX_KERNELS 64
+// Kernel objects hold their arguments, so each worker has its own, made at its first launch.
+struct kernel {
+    struct code *code; // of the program
+    cl_kernel object;
+};
 
 struct kernels {
     size_t count;
@@ -46,6 +54,9 @@ struct glint_program {
     cl_program object;
     uint32_t slots;
     struct kernels *kernels; // [slots]: each owned by its worker
+    pthread_mutex_t names;   // guards the growth of `code`; entries stay where they are
+    size_t codes;
+    struct code code[GLINT_MAX_KERNELS];
 };
 
 struct glint_buffer {

@@ -71,6 +71,7 @@ static void destroy(glint_program *p)
             clReleaseKernel(p->kernels[i].kernel[k].object);
     if (p->object)
         clReleaseProgram(p->object);
+    pthread_mutex_destroy(&p->names);
     free(p->kernels);
     free(p);
 }
@@ -86,6 +87,7 @@ static glint_status create(glint_program **out, glint_devices *devices, const ch
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a program");
     }
     p->slots = devices->slots;
+    pthread_mutex_init(&p->names, NULL);
     strcpy(p->key, key);
     glint_status st = compile(p, devices, source, options, err);
     if (st) {

@@ -144,9 +144,22 @@ static void an_absent_buffer_is_a_null_pointer(void **state)
 
 struct job {
     struct fixture *f;
+    glint_program *program;
     uint32_t worker;
     glint_status status;
 };
+
+static void join_workers(struct fixture *f, glint_program *program, void *(*body)(void *),
+                         struct job job[WORKERS])
+{
+    pthread_t thread[WORKERS];
+    for (uint32_t i = 0; i < WORKERS; i++) {
+        job[i] = (struct job){.f = f, .program = program, .worker = i};
+        assert_int_equal(pthread_create(&thread[i], NULL, body, &job[i]), 0);
+    }
+    for (uint32_t i = 0; i < WORKERS; i++)
+        assert_int_equal(pthread_join(thread[i], NULL), 0);
+}
 
 static void *fill_own_part(void *arg)
 {
@@ -160,28 +173,61 @@ static void *fill_own_part(void *arg)
     };
     glint_worker_enter(worker);
     for (int i = 0; i < 200 && !job->status; i++)
-        job->status = glint_launch(worker, job->f->program, "fill", ITEMS, 64, args, 3, NULL);
+        job->status = glint_launch(worker, job->program, "fill", ITEMS, 64, args, 3, NULL);
     return NULL;
 }
 
 static void workers_write_one_buffer_side_by_side(void **state)
 {
     struct fixture *f = *state;
-    pthread_t thread[WORKERS];
     struct job job[WORKERS];
     memset(glint_buffer_host(f->out), 0, glint_buffer_bytes(f->out));
-    for (uint32_t i = 0; i < WORKERS; i++) {
-        job[i] = (struct job){.f = f, .worker = i};
-        assert_int_equal(pthread_create(&thread[i], NULL, fill_own_part, &job[i]), 0);
-    }
-    for (uint32_t i = 0; i < WORKERS; i++)
-        assert_int_equal(pthread_join(thread[i], NULL), 0);
+    join_workers(f, f->program, fill_own_part, job);
     const uint32_t *out = glint_buffer_host(f->out);
     for (uint32_t i = 0; i < WORKERS; i++) {
         assert_int_equal(job[i].status, GLINT_OK);
         for (uint32_t k = 0; k < ITEMS; k++)
             assert_int_equal(out[i * ITEMS + k], 1000 * i + k);
     }
+}
+
+#define MANY 24
+
+static void *launch_ever_larger(void *arg)
+{
+    struct job *job = arg;
+    const struct glint_arg args[] = {{.buffer = job->f->out}};
+    char name[16];
+    for (size_t items = 64; items <= ITEMS; items *= 2)
+        for (int k = 0; k < MANY && !job->status; k++) {
+            snprintf(name, sizeof name, "kernel%d", (k + 13 * (int)job->worker) % MANY);
+            job->status = glint_launch(glint_devices_worker(job->f->devices, job->worker),
+                                       job->program, name, items, 64, args, 1, NULL);
+        }
+    return NULL;
+}
+
+// PoCL 3.1 ends the process when launches of a kernel it is about to load again run side by side;
+// it keeps 128 and here 168 are loaded.
+static void workers_that_launch_ever_larger_do_not_disturb_each_other(void **state)
+{
+    struct fixture *f = *state;
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    for (int k = 0; k < MANY; k++)
+        fprintf(out, "__kernel void kernel%d(__global uint *out) { out[0] = %du; }\n", k, k);
+    assert_int_equal(fclose(out), 0);
+    glint_program *program;
+    struct job job[WORKERS];
+    assert_int_equal(glint_program_build(&program, f->devices, text, "", NULL), GLINT_OK);
+    for (int round = 0; round < 3; round++) {
+        join_workers(f, program, launch_ever_larger, job);
+        for (uint32_t i = 0; i < WORKERS; i++)
+            assert_int_equal(job[i].status, GLINT_OK);
+    }
+    glint_program_release(&program);
+    free(text);
 }
 
 static void a_variant_is_built_once(void **state)
@@ -355,6 +401,7 @@ int main(void)
         cmocka_unit_test(denormals_are_zero_on_a_worker_thread),
         cmocka_unit_test(an_absent_buffer_is_a_null_pointer),
         cmocka_unit_test(workers_write_one_buffer_side_by_side),
+        cmocka_unit_test(workers_that_launch_ever_larger_do_not_disturb_each_other),
         cmocka_unit_test(a_variant_is_built_once),
         cmocka_unit_test(idle_variants_are_dropped_and_held_ones_stay),
         cmocka_unit_test(a_broken_kernel_gives_the_build_log),
