@@ -194,10 +194,16 @@ uint32_t glint_film_samples(glint_film *f, uint32_t tile)
     return samples;
 }
 
-uint64_t glint_film_version(glint_film *f, uint32_t tile)
+uint64_t glint_film_version(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h)
 {
+    const uint32_t right = smaller(column + w, f->columns), bottom = smaller(row + h, f->rows);
+    uint64_t newest = 0;
     pthread_mutex_lock(&f->mutex);
-    const uint64_t version = f->tile[tile].version;
+    for (uint32_t y = row; y < bottom; y++)
+        for (uint32_t x = column; x < right; x++) {
+            const uint64_t version = f->tile[y * f->columns + x].version;
+            newest = version > newest ? version : newest;
+        }
     pthread_mutex_unlock(&f->mutex);
-    return version;
+    return newest;
 }

@@ -43,7 +43,9 @@ uint32_t glint_film_read_begin(glint_film *film, uint32_t tile);
 void glint_film_read_end(glint_film *film, uint32_t tile);
 
 uint32_t glint_film_samples(glint_film *film, uint32_t tile);
-// Grows with every release that added samples; 0 before the first.
-uint64_t glint_film_version(glint_film *film, uint32_t tile);
+// Of the tiles [column, column + w) x [row, row + h), clipped to the film: grows with every release
+// that added samples to one of them; 0 before the first.
+uint64_t glint_film_version(glint_film *film, uint32_t column, uint32_t row, uint32_t w,
+                            uint32_t h);
 
 #endif

@@ -293,14 +293,8 @@ void glint_render_tile_rect(const glint_render *r, uint32_t tile, uint32_t rect[
 uint64_t glint_render_tile_version(const glint_render *r, uint32_t tile)
 {
     const uint32_t side = CLIENT_TILE / GK_TILE_SIDE;
-    const uint32_t cx = tile % client_columns(r) * side, cy = tile / client_columns(r) * side;
-    uint64_t newest = 0;
-    for (uint32_t y = cy; y < cy + side && y < glint_film_rows(r->film); y++)
-        for (uint32_t x = cx; x < cx + side && x < glint_film_columns(r->film); x++) {
-            const uint64_t v = glint_film_version(r->film, y * glint_film_columns(r->film) + x);
-            newest = v > newest ? v : newest;
-        }
-    return newest;
+    return glint_film_version(r->film, tile % client_columns(r) * side,
+                              tile / client_columns(r) * side, side, side);
 }
 
 glint_status glint_render_tile(glint_render *r, uint32_t tile, struct glint_frame **out,
