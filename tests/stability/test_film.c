@@ -1,0 +1,294 @@
+// The film: sums over millions of samples, rejected samples, resuming, order of slices.
+#include "tests/stability/stable.h"
+
+#include "kernels/gk_film.h"
+#include "kernels/gk_wave.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct offline o;
+
+#define UNIT 0x1p-24
+
+// ---- sums on the host, from the header that kernels use
+
+static double addend(int kind, uint64_t *seed)
+{
+    switch (kind) {
+    case 0:
+        return 1.0; // a plain sum stops at 2^24
+    case 1:
+        return (float)0.05; // vanishes at 2^20
+    case 2:
+        return (float)stable_random(seed);
+    default:
+        return (float)ldexp(stable_random(seed),
+                            (int)(stable_random(seed) * 40) - 20); // 12 decades
+    }
+}
+
+static void sums_of_millions_keep_four_units(void **state)
+{
+    (void)state;
+    static const uint32_t count[] = {1000000, 20000000, 1000000, 1000000};
+    for (int kind = 0; kind < 4; kind++) {
+        float sum[2 * GK_TILE_PIXELS] = {0};
+        double exact = 0.0, lost = 0.0; // Kahan in double: exact to far below u
+        uint64_t seed = 11;
+        for (uint32_t i = 0; i < count[kind]; i++) {
+            const double x = addend(kind, &seed), y = x - lost, t = exact + y;
+            lost = t - exact - y;
+            exact = t;
+            gk_film_add(sum, 3, (float)x);
+        }
+        const double total = (double)sum[3] + sum[3 + GK_TILE_PIXELS];
+        print_message("# kind %d: %.3g u\n", kind, (total / exact - 1.0) / UNIT);
+        assert_true(fabs(total / exact - 1.0) <= 4.0 * UNIT);
+    }
+}
+
+// ---- the accumulation kernel
+
+#define LANES 256u
+
+struct bench {
+    glint_program *program;
+    glint_buffer *wave, *film;
+};
+
+static void bench_open(struct bench *b, const char *options)
+{
+    struct glint_error err = {0};
+    if (glint_program_get(&b->program, o.devices, options, &err) ||
+        glint_buffer_create(&b->wave, o.devices, GK_COLUMNS * LANES * 4, &err) ||
+        glint_buffer_create(&b->film, o.devices, GK_PLANES_BASE * GK_TILE_PIXELS * 4, &err))
+        offline_die("film", &err);
+    memset(glint_buffer_host(b->wave), 0, GK_COLUMNS * LANES * 4);
+    memset(glint_buffer_host(b->film), 0, GK_PLANES_BASE * GK_TILE_PIXELS * 4);
+}
+
+static void bench_close(struct bench *b)
+{
+    glint_buffer_destroy(&b->wave);
+    glint_buffer_destroy(&b->film);
+    glint_program_release(&b->program);
+}
+
+static void bench_add(const struct bench *b)
+{
+    const uint32_t stride = LANES, n = LANES, zero = 0;
+    const struct glint_arg args[] = {{.buffer = b->wave},        {.value = &stride, .size = 4},
+                                     {.value = &n, .size = 4},   {.value = &zero, .size = 4},
+                                     {.buffer = b->film},        {.value = &zero, .size = 4},
+                                     {.value = &zero, .size = 4}};
+    struct glint_error err = {0};
+    if (glint_launch(glint_devices_spare(o.devices), b->program, "accumulate_colour", LANES, 64,
+                     args, 7, &err))
+        offline_die("accumulate_colour", &err);
+}
+
+static float *column(const struct bench *b, int index)
+{
+    return (float *)glint_buffer_host(b->wave) + (size_t)index * LANES;
+}
+
+// 256 pixels of 8192 samples, upon sums of up to 2^20, against double precision.
+static void check_kernel(const char *options, bool wide)
+{
+    struct bench b;
+    double exact[LANES];
+    uint64_t seed = 5;
+    bench_open(&b, options);
+    float *red = glint_buffer_host(b.film);
+    for (uint32_t i = 0; i < LANES; i++) {
+        exact[i] = ldexp(1.0, (int)(i % 21));
+        if (wide)
+            ((double *)(void *)red)[i] = exact[i];
+        else
+            red[i] = (float)exact[i];
+    }
+    for (int n = 0; n < 8192; n++) {
+        for (uint32_t i = 0; i < LANES; i++) {
+            column(&b, GK_COL_LR)[i] = (float)addend(1 + (int)(i % 3), &seed);
+            exact[i] += column(&b, GK_COL_LR)[i];
+        }
+        bench_add(&b);
+    }
+    for (uint32_t i = 0; i < LANES; i++) {
+        const double total =
+            wide ? ((double *)(void *)red)[i] : (double)red[i] + red[i + GK_TILE_PIXELS];
+        assert_true(fabs(total / exact[i] - 1.0) <= 4.0 * UNIT);
+    }
+    bench_close(&b);
+}
+
+static void kernel_loses_nothing_in_either_precision(void **state)
+{
+    (void)state;
+    check_kernel("", false);
+    check_kernel("-DGK_FILM_FP64", true);
+}
+
+static void sample_that_is_not_finite_counts_as_zero_and_is_counted(void **state)
+{
+    (void)state;
+    static const float bad[3] = {NAN, INFINITY, -INFINITY};
+    struct bench b;
+    bench_open(&b, "");
+    for (int c = 0; c < 3; c++)
+        for (uint32_t i = 0; i < LANES; i++)
+            column(&b, GK_COL_LR + c)[i] = i % 9 == 3u * (uint32_t)c ? bad[i / 9 % 3] : 0.5f;
+    bench_add(&b);
+    bench_add(&b);
+    const float *film = glint_buffer_host(b.film);
+    const uint32_t *rejected = (const uint32_t *)film + GK_PLANE_REJECTED * GK_TILE_PIXELS;
+    for (uint32_t i = 0; i < LANES; i++) {
+        const bool refused = i % 3 == 0 && i % 9 <= 6;
+        assert_int_equal(rejected[i], refused ? 2 : 0);
+        for (int c = 0; c < 3; c++)
+            assert_float_equal(film[2 * c * GK_TILE_PIXELS + (int)i], refused ? 0.0 : 1.0, 0.0);
+    }
+    bench_close(&b);
+}
+
+// ---- renders that are interrupted
+
+static const char *const scene_text =
+    "{'materials':{'grey':{'base_color':[0.6,0.5,0.4]},'glass':{'transmission':1,'roughness':0.2},"
+    "'lamp':{'base_color':[0,0,0],'emission':[5,4,3]}},"
+    "'meshes':{'room':{'primitive':'box','size':[4,4,8]},'s':{'primitive':'sphere','segments':24},'"
+    "q':{'primitive':'quad'}},"
+    "'instances':{'r':{'mesh':'room','material':'grey'},'s':{'mesh':'s','material':'glass'},"
+    "'l':{'mesh':'q','material':'lamp','transform':{'translation':[0,1.9,1],'rotation':[1,0,0,1]}}}"
+    ","
+    "'cameras':{'eye':{'yfov':0.9,'transform':{'translation':[0,0,3.5]}}}}";
+
+static glint_render *begin(glint_resident *scene, unsigned samples)
+{
+    struct glint_error err = {0};
+    char *text =
+        stable_text("{'scene':'s','outputs':['beauty','variance','crypto_object','depth','normal'],"
+                    "'resolution':[80,48],'max_bounces':4,'stop':{'samples':%u}}",
+                    samples);
+    struct glint_job *job = offline_job(text);
+    glint_render *render = NULL;
+    if (glint_render_create(&render, o.devices, scene, job, &err))
+        offline_die("render", &err);
+    glint_job_destroy(&job);
+    free(text);
+    return render;
+}
+
+static void run_slice(glint_render *render, const struct glint_slice *slice)
+{
+    struct glint_error err = {0};
+    if (glint_render_run(render, glint_devices_worker(o.devices, 0), slice, &err))
+        offline_die("slice", &err);
+}
+
+static struct glint_frame *frame_of(glint_render *render)
+{
+    struct glint_error err = {0};
+    struct glint_frame *frame = NULL;
+    const uint32_t outputs = GLINT_OUT_BEAUTY | GLINT_OUT_VARIANCE | GLINT_OUT_CRYPTO_OBJECT |
+                             GLINT_OUT_DEPTH | GLINT_OUT_NORMAL;
+    if (glint_render_frame(render, outputs, &frame, NULL, &err))
+        offline_die("frame", &err);
+    return frame;
+}
+
+static struct glint_frame *uninterrupted(glint_resident *scene, unsigned samples)
+{
+    glint_render *render = begin(scene, samples);
+    offline_render(&o, render);
+    struct glint_frame *frame = frame_of(render);
+    glint_render_destroy(&render);
+    return frame;
+}
+
+static void render_stopped_at_n_and_run_on_is_one_render(void **state)
+{
+    (void)state;
+    glint_resident *scene = offline_load_text(&o, (const char *)*state);
+    glint_render *render = begin(scene, 24);
+    struct glint_render_state now = {0};
+    struct glint_slice slice;
+    while (now.samples < 16 && glint_render_take(render, &slice)) {
+        run_slice(render, &slice);
+        glint_render_give_back(render, &slice, true);
+        glint_render_state(render, &now);
+    }
+    assert_int_equal(now.samples, 16);
+    struct glint_frame *half_way = frame_of(render), *short_job = uninterrupted(scene, 16);
+    stable_assert_same(half_way, short_job);
+    offline_render(&o, render);
+    struct glint_frame *resumed = frame_of(render), *whole = uninterrupted(scene, 24);
+    stable_assert_same(resumed, whole);
+    struct glint_frame *all[] = {half_way, short_job, resumed, whole};
+    for (int i = 0; i < 4; i++)
+        glint_frame_destroy(&all[i]);
+    glint_render_destroy(&render);
+    glint_resident_release(&scene);
+}
+
+// All slices of a pass are taken; they come back in reverse, every third without having been run.
+static bool run_backwards(glint_render *render)
+{
+    struct glint_slice slice[256];
+    uint32_t n = 0;
+    while (n < 256 && glint_render_take(render, &slice[n]))
+        n++;
+    const bool any = n > 0;
+    while (n-- > 0) {
+        const bool done = n % 3 != 1;
+        if (done)
+            run_slice(render, &slice[n]);
+        glint_render_give_back(render, &slice[n], done);
+    }
+    return any;
+}
+
+static void order_of_slices_and_returned_ones_change_no_bit(void **state)
+{
+    (void)state;
+    glint_resident *scene = offline_load_text(&o, (const char *)*state);
+    glint_render *render = begin(scene, 24);
+    while (run_backwards(render))
+        ;
+    assert_true(glint_render_complete(render));
+    struct glint_frame *backwards = frame_of(render), *whole = uninterrupted(scene, 24);
+    stable_assert_same(backwards, whole);
+    glint_frame_destroy(&backwards);
+    glint_frame_destroy(&whole);
+    glint_render_destroy(&render);
+    glint_resident_release(&scene);
+}
+
+static int start(void **state)
+{
+    offline_start(&o, 2);
+    *state = stable_text("%s", scene_text);
+    glint_worker_enter(glint_devices_spare(o.devices));
+    return 0;
+}
+
+static int finish(void **state)
+{
+    free(*state);
+    offline_finish(&o);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sums_of_millions_keep_four_units),
+        cmocka_unit_test(kernel_loses_nothing_in_either_precision),
+        cmocka_unit_test(sample_that_is_not_finite_counts_as_zero_and_is_counted),
+        cmocka_unit_test(render_stopped_at_n_and_run_on_is_one_render),
+        cmocka_unit_test(order_of_slices_and_returned_ones_change_no_bit),
+    };
+    return cmocka_run_group_tests(tests, start, finish);
+}
