@@ -44,7 +44,7 @@ const struct glint_field glint_material_fields[] = {
     GLINT_FIELD(FLOAT, struct glint_material, normal_scale, .low = -1e6, .high = 1e6),
     GLINT_FIELD_KNOWN("base_color_texture"),
     GLINT_FIELD_KNOWN("metallic_roughness_texture"),
-    GLINT_FIELD_KNOWN("normal_texture"),
+    GLINT_FIELD_KNOWN("normal_map"),
     GLINT_FIELD_KNOWN("emission_texture"),
     {0},
 };
@@ -96,7 +96,7 @@ const struct glint_field glint_environment_fields[] = {
 const struct glint_texture_slot glint_texture_slots[4] = {
     {"base_color_texture", offsetof(struct glint_material, base_color_texture)},
     {"metallic_roughness_texture", offsetof(struct glint_material, metallic_roughness_texture)},
-    {"normal_texture", offsetof(struct glint_material, normal_texture)},
+    {"normal_map", offsetof(struct glint_material, normal_texture)},
     {"emission_texture", offsetof(struct glint_material, emission_texture)},
 };
 

@@ -41,6 +41,7 @@ struct glint_effect {
     bool (*called)(const struct glint_effect_input *in);
     // Film bytes per pixel that it adds; NULL: none.
     size_t (*film_bytes)(const struct glint_job *job);
+    uint32_t tables; // bits 1 << glint_table of the resident buffers that it alone reads
 };
 
 extern const struct glint_effect glint_effect_table[];

@@ -47,8 +47,26 @@ static double total(const double *seconds)
     return sum;
 }
 
-static cJSON *describe_effect(const struct glint_plan *plan, const struct glint_job *job, size_t i,
-                              const double *seconds, uint64_t pixels)
+static double effect_bytes(const struct glint_effect *e, const struct glint_plan_use *use)
+{
+    double bytes = e->film_bytes ? (double)(e->film_bytes(use->job) * use->pixels) : 0.0;
+    for (int t = 0; t < GLINT_TABLES; t++)
+        if (e->tables >> t & 1)
+            bytes += (double)glint_buffer_bytes(glint_resident_table(use->scene, t));
+    return bytes;
+}
+
+// Seconds of the passes that the effect alone adds, over those of all.
+static double effect_share(const struct glint_effect *e, const double *seconds)
+{
+    double own = 0.0;
+    for (int p = 0; p < GLINT_PASSES; p++)
+        own += e->passes >> p & 1 ? seconds[p] : 0.0;
+    return own / total(seconds);
+}
+
+static cJSON *describe_effect(const struct glint_plan *plan, size_t i,
+                              const struct glint_plan_use *use)
 {
     const struct glint_effect *e = &glint_effect_table[i];
     const bool on = plan->on >> i & 1, called = plan->called >> i & 1;
@@ -67,40 +85,41 @@ static cJSON *describe_effect(const struct glint_plan *plan, const struct glint_
         cJSON_AddStringToObject(o, "define", e->define);
     if (e->dial != GLINT_DIAL_COUNT)
         cJSON_AddStringToObject(o, "dial", glint_dial_table[e->dial].name);
-    cJSON_AddNumberToObject(o, "bytes",
-                            on && e->film_bytes ? (double)(e->film_bytes(job) * pixels) : 0.0);
-    double own = 0.0;
-    for (int p = 0; p < GLINT_PASSES; p++)
-        own += e->passes >> p & 1 ? seconds[p] : 0.0;
-    if (e->passes && total(seconds) > 0.0)
-        cJSON_AddNumberToObject(o, "share", own / total(seconds));
+    cJSON_AddNumberToObject(o, "bytes", on ? effect_bytes(e, use) : 0.0);
+    if (e->passes && total(use->seconds) > 0.0)
+        cJSON_AddNumberToObject(o, "share", effect_share(e, use->seconds));
     return o;
 }
 
-cJSON *glint_plan_describe(const struct glint_plan *plan, const struct glint_job *job,
-                           const double *seconds, uint64_t pixels)
+static cJSON *describe_passes(const struct glint_plan *plan, const double *seconds)
 {
-    cJSON *root = cJSON_CreateObject();
-    cJSON *effects = cJSON_AddArrayToObject(root, "effects");
-    for (size_t i = 0; i < glint_effect_count; i++)
-        cJSON_AddItemToArray(effects, describe_effect(plan, job, i, seconds, pixels));
-    cJSON *passes = cJSON_AddArrayToObject(root, "passes");
+    cJSON *passes = cJSON_CreateArray();
+    const double all = total(seconds);
     for (int p = 0; p < GLINT_PASSES; p++) {
         if (!glint_plan_has(plan, p))
             continue;
         cJSON *o = cJSON_CreateObject();
         cJSON_AddStringToObject(o, "pass", glint_pass_name[p]);
         cJSON_AddNumberToObject(o, "seconds", seconds[p]);
-        cJSON_AddNumberToObject(o, "share",
-                                total(seconds) > 0.0 ? seconds[p] / total(seconds) : 0.0);
+        cJSON_AddNumberToObject(o, "share", all > 0.0 ? seconds[p] / all : 0.0);
         cJSON_AddItemToArray(passes, o);
     }
+    return passes;
+}
+
+cJSON *glint_plan_describe(const struct glint_plan *plan, const struct glint_plan_use *use)
+{
+    cJSON *root = cJSON_CreateObject();
+    cJSON *effects = cJSON_AddArrayToObject(root, "effects");
+    for (size_t i = 0; i < glint_effect_count; i++)
+        cJSON_AddItemToArray(effects, describe_effect(plan, i, use));
+    cJSON_AddItemToObject(root, "passes", describe_passes(plan, use->seconds));
     cJSON *dials = cJSON_AddObjectToObject(root, "accuracy");
     for (int d = 0; d < GLINT_DIAL_COUNT; d++)
         cJSON_AddStringToObject(dials, glint_dial_table[d].name,
-                                glint_dial_table[d].setting[job->dial[d]]);
+                                glint_dial_table[d].setting[use->job->dial[d]]);
     cJSON_AddStringToObject(root, "program", plan->options);
     cJSON_AddNumberToObject(root, "film_bytes_per_pixel", (double)plan->film_bytes);
-    cJSON_AddNumberToObject(root, "film_bytes", (double)(plan->film_bytes * pixels));
+    cJSON_AddNumberToObject(root, "film_bytes", (double)(plan->film_bytes * use->pixels));
     return root;
 }

@@ -21,8 +21,16 @@ void glint_plan_make(struct glint_plan *out, const struct glint_effect_input *in
 
 bool glint_plan_has(const struct glint_plan *plan, enum glint_pass pass);
 
-// The plan as clients see it. seconds: [GLINT_PASSES] measured so far; pixels of the film.
-cJSON *glint_plan_describe(const struct glint_plan *plan, const struct glint_job *job,
-                           const double *seconds, uint64_t pixels);
+// What the plan of a job has measured and allocated so far.
+struct glint_plan_use {
+    const glint_resident *scene;
+    const struct glint_job *job;
+    const double *seconds; // [GLINT_PASSES]
+    uint64_t pixels;       // of the film
+};
+
+// The plan as clients see it. An effect that runs inside a pass which others share has no share of
+// its own: the pass has one.
+cJSON *glint_plan_describe(const struct glint_plan *plan, const struct glint_plan_use *use);
 
 #endif

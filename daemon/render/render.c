@@ -352,5 +352,6 @@ cJSON *glint_render_plan(const glint_render *render)
     pthread_mutex_lock(&r->mutex);
     memcpy(seconds, r->stats.seconds, sizeof seconds);
     pthread_mutex_unlock(&r->mutex);
-    return glint_plan_describe(&r->plan, &r->job, seconds, pixels_of(r));
+    const struct glint_plan_use use = {r->scene, &r->job, seconds, pixels_of(r)};
+    return glint_plan_describe(&r->plan, &use);
 }

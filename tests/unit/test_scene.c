@@ -114,8 +114,8 @@ static void every_fault_is_named(void **state)
     refuse("[]", "");
     refuse("{'materials':[],'meshes':{'':{'primitive':'quad'}}}", "/materials|/meshes/");
     refuse("{'materials':{'m':7}}", "/materials/m");
-    refuse("{'materials':{'m':{'normal_texture':{'image':'x'}},'n':{'normal_texture':{}}}}",
-           "/materials/m/normal_texture/image|/materials/n/normal_texture/image");
+    refuse("{'materials':{'m':{'normal_map':{'image':'x'}},'n':{'normal_map':{}}}}",
+           "/materials/m/normal_map/image|/materials/n/normal_map/image");
     refuse("{'lights':{'a':{},'b':{'type':'spot','inner_cone':1,'outer_cone':0.5},'c':{'type':'lamp'}}}",
            "/lights/a/type|/lights/b/inner_cone|/lights/c/type");
     refuse("{'cameras':{'a':{},'b':{'yfov':3.2},'c':{'yfov':0}}}",
