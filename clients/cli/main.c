@@ -40,8 +40,8 @@ static void print_overview(FILE *out)
     for (size_t i = 0; i < COMMANDS; i++)
         fprintf(out, "  %-8s %s\n", commands[i]->name, commands[i]->summary);
     fputs("\n'glint COMMAND --help' tells more of each.\n"
-          "Exit status: 0 done, 1 failed, 64 wrong usage, 69 no daemon, 75 try again later, "
-          "130 cancelled.\n",
+          "Exit status: 0 done, 1 failed, 64 wrong usage, 69 no daemon, 75 try again\n"
+          "later, 130 cancelled.\n",
           out);
 }
 

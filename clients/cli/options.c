@@ -10,6 +10,7 @@
 
 #define MAX_OPTIONS 40
 #define HELP_COLUMN 28
+#define HELP_WIDTH 79
 
 struct long_options {
     struct option option[MAX_OPTIONS + 1];
@@ -85,6 +86,22 @@ glint_status glint_options_parse(struct glint_arguments *out, int argc, char **a
     return status;
 }
 
+// From the help column on, broken between words.
+static void print_help(const char *text)
+{
+    const size_t room = HELP_WIDTH - HELP_COLUMN;
+    while (strlen(text) > room) {
+        size_t n = room;
+        while (n && text[n] != ' ')
+            n--;
+        if (!n) // a word without end
+            break;
+        printf("%.*s\n%*s", (int)n, text, HELP_COLUMN, "");
+        text += n + 1;
+    }
+    puts(text);
+}
+
 void glint_options_help(const struct glint_option *table)
 {
     for (const struct glint_option *o = table; o->name; o++) {
@@ -93,9 +110,10 @@ void glint_options_help(const struct glint_option *table)
                  o->letter ? o->letter : ' ', o->letter ? "," : " ", o->name, o->value ? " " : "",
                  o->value ? o->value : "");
         if (strlen(left) > HELP_COLUMN - 2)
-            printf("%s\n%*s%s\n", left, HELP_COLUMN, "", o->help);
+            printf("%s\n%*s", left, HELP_COLUMN, "");
         else
-            printf("%-*s%s\n", HELP_COLUMN, left, o->help);
+            printf("%-*s", HELP_COLUMN, left);
+        print_help(o->help);
     }
 }
 

@@ -2,6 +2,8 @@
 """glint's command line: help, usage faults, exit codes."""
 import json
 import os
+import re
+import shlex
 import subprocess
 import tempfile
 
@@ -22,6 +24,21 @@ def test_each_command_explains_itself():
         assert run.returncode == 0 and run.stderr == ""
         assert run.stdout.startswith(f"Usage: glint {command} ")
         assert "--json" in run.stdout
+
+
+def test_help_fits_into_80_columns():
+    for command in [[], *([command] for command in COMMANDS)]:
+        for line in cli.glint(*command, "--help").stdout.splitlines():
+            assert len(line) < 80, (command, line)
+
+
+def test_what_the_quickstart_proposes_is_a_command():
+    with open(tap.source("deploy", "quickstart"), encoding="utf-8") as script:
+        proposed = re.search(r"^Try +\$build/glint (.*)$", script.read(), re.M)[1]
+    with cli.Silence() as server:
+        words = shlex.split(proposed.replace("$url", server).replace("$(job)", "j1"))
+        run = cli.glint(*words)
+        assert run.returncode == 69 and server in run.stderr, run  # asked, and nobody answered
 
 
 def test_version_is_told_by_each_command():
