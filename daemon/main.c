@@ -60,17 +60,18 @@ static struct glint_import_limits import_limits(void)
                                         IMPORT_CPU_SECONDS};
 }
 
-// What must come before any other thread: the importer's helper is forked from this one, and
-// devices set the environment.
+// What must come before any other thread: the importer's helper is forked from this one, before it
+// has a socket, and devices set the environment. Folders wait until the address is taken: a daemon
+// that is refused leaves none behind.
 static glint_status start_alone(struct house *h, struct glint_error *err)
 {
-    glint_status st = glint_folder_state(&h->state, h->options.state, err);
-    if (!st)
-        st = glint_folder_cache(&h->cache, h->state, err);
-    if (!st)
-        st = glint_importer_create(&h->importer, err);
+    glint_status st = glint_importer_create(&h->importer, err);
     if (!st)
         st = glint_listen(&h->listen_fd, h->url, h->options.listen, err);
+    if (!st)
+        st = glint_folder_state(&h->state, h->options.state, err);
+    if (!st)
+        st = glint_folder_cache(&h->cache, h->state, err);
     if (!st)
         st = glint_devices_create(&h->devices, h->options.threads, h->cache, err);
     return st;

@@ -41,11 +41,13 @@ def test_wrong_usage_exits_64_and_names_the_fault():
 
 
 def test_other_addresses_than_loopback_are_refused():
-    with tempfile.TemporaryDirectory() as state:
+    with tempfile.TemporaryDirectory() as folder:
+        state = os.path.join(folder, "state")
         for address in ["0.0.0.0:0", "[::]:0", "192.0.2.1:0", "[2001:db8::1]:0"]:
             ended = run("--listen", address, "--state", state)
             assert ended.returncode == 64, (address, ended)
             assert "loopback" in ended.stderr
+            assert not os.path.exists(state), address
 
 
 def test_a_port_in_use_exits_69():
