@@ -3,7 +3,7 @@
 build=$PWD
 cd "$top_srcdir" || exit 99
 n=0
-for header in protocol/*.h daemon/*/*.h kernels/*.h; do
+for header in protocol/*.h daemon/*.h daemon/*/*.h kernels/*.h clients/*/*.h; do
     [ -f "$header" ] || continue
     n=$((n + 1))
     if (cd "$build" && echo "#include \"$header\"" | $GLINT_COMPILE -x c -fsyntax-only -); then
