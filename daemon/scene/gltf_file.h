@@ -103,6 +103,7 @@ struct glint_gltf {
     bool *texture_read;
     uint32_t *image; // scene image of each glTF image, once decoded
     bool *image_read;
+    bool *sampler_read;
     float *reach;              // largest |coordinate| of each scene mesh
     uint32_t default_material; // GLINT_NONE until a primitive needs it
     struct glint_gltf_names ids[GLTF_ID_KINDS];

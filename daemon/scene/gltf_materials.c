@@ -179,16 +179,18 @@ static bool prepare(struct glint_gltf *g)
 {
     const uint32_t images = g->list[GLTF_IMAGES].count, textures = g->list[GLTF_TEXTURES].count;
     const uint32_t materials = g->list[GLTF_MATERIALS].count;
+    const uint32_t samplers = g->list[GLTF_SAMPLERS].count;
     g->image = glint_arena_array(&g->scratch, images + 1, sizeof *g->image);
     g->image_read = glint_arena_array(&g->scratch, images + 1, sizeof *g->image_read);
     g->texture = glint_arena_array(&g->scratch, textures + 1, sizeof *g->texture);
     g->texture_read = glint_arena_array(&g->scratch, textures + 1, sizeof *g->texture_read);
+    g->sampler_read = glint_arena_array(&g->scratch, samplers + 1, sizeof *g->sampler_read);
     g->scene->image = glint_arena_array(&g->scene->arena, images + 1, sizeof *g->scene->image);
     g->scene->material =
         glint_arena_array(&g->scene->arena, materials + 1, sizeof *g->scene->material);
     g->default_material = GLINT_NONE;
-    return (g->image && g->image_read && g->texture && g->texture_read && g->scene->image &&
-            g->scene->material) ||
+    return (g->image && g->image_read && g->texture && g->texture_read && g->sampler_read &&
+            g->scene->image && g->scene->material) ||
            glint_gltf_nomem(g);
 }
 

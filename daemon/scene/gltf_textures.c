@@ -28,6 +28,30 @@ static bool read_wrap(const struct glint_json *sampler, const char *key, enum gl
     }
 }
 
+static bool is_nearest(const struct glint_json *sampler, const char *key)
+{
+    const struct glint_json at = glint_json_member(sampler, key);
+    uint32_t filter = 0;
+    if (!glint_json_uint(&at, 0, UINT32_MAX, &filter))
+        return false;
+    return filter == 9728 || filter == 9984 || filter == 9986; // NEAREST, with mipmaps or without
+}
+
+// Only what is in use is looked at, and what cannot be granted is said once for each sampler.
+static void note_filter(struct glint_gltf *g, uint32_t i)
+{
+    if (g->sampler_read[i])
+        return;
+    g->sampler_read[i] = true;
+    const struct glint_json at = glint_gltf_item(g, GLTF_SAMPLERS, i);
+    const bool magnified = is_nearest(&at, "magFilter"), minified = is_nearest(&at, "minFilter");
+    if (magnified || minified)
+        glint_gltf_note(
+            g, "nearest filtering",
+            "sampler %u asks for nearest filtering%s%s; textures are filtered bilinearly", i,
+            magnified ? " (magFilter)" : "", minified ? " (minFilter)" : "");
+}
+
 static bool decode(struct glint_gltf *g, uint32_t i, const uint8_t *bytes, size_t size,
                    struct glint_pixels *out)
 {
@@ -107,6 +131,7 @@ static struct glint_texture read_texture(struct glint_gltf *g, uint32_t i)
         const struct glint_json s = glint_gltf_item(g, GLTF_SAMPLERS, sampler);
         read_wrap(&s, "wrapS", &t.wrap_u);
         read_wrap(&s, "wrapT", &t.wrap_v);
+        note_filter(g, sampler);
     }
     const uint32_t image = glint_gltf_index(g, &at, "source", GLTF_IMAGES);
     if (image != GLINT_NONE)

@@ -244,6 +244,29 @@ static void textures_bring_image_and_wrapping(void **state)
     glint_scene_destroy(&s);
 }
 
+// Samplers by filter; both textures of sampler 0 are in use, no texture of the last one is.
+static void nearest_filtering_is_warned_of_once_for_each_sampler(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_quad(
+        "'images':[{'uri':'" RED_PNG "'}],'samplers':[{'magFilter':9728,'minFilter':9728},"
+        "{'magFilter':9729,'minFilter':9984},{'minFilter':9986},{'magFilter':9729,'minFilter':9985},"
+        "{'magFilter':9729,'minFilter':9987},{'magFilter':9728},{'magFilter':9728}],"
+        "'textures':[{'source':0,'sampler':0},{'source':0,'sampler':0},{'source':0,'sampler':1},"
+        "{'source':0,'sampler':2},{'source':0,'sampler':3},{'source':0,'sampler':4},"
+        "{'source':0,'sampler':5},{'source':0,'sampler':6}],'materials':[{'pbrMetallicRoughness':"
+        "{'baseColorTexture':{'index':0}},'emissiveTexture':{'index':1}},{'emissiveTexture':"
+        "{'index':2}},{'emissiveTexture':{'index':3}},{'emissiveTexture':{'index':4}},"
+        "{'emissiveTexture':{'index':5}},{'emissiveTexture':{'index':6}}]");
+    gltf_expect_warning(s, "sampler 0 asks for nearest filtering (magFilter) (minFilter); "
+                           "textures are filtered bilinearly");
+    gltf_expect_warning(s, "sampler 1 asks for nearest filtering (minFilter);");
+    gltf_expect_warning(s, "sampler 2 asks for nearest filtering (minFilter);");
+    gltf_expect_warning(s, "sampler 5 asks for nearest filtering (magFilter);");
+    assert_int_equal(s->warnings, 4); // not 3 and 4, which are linear, nor 6, which is not in use
+    glint_scene_destroy(&s);
+}
+
 static void a_damaged_image_is_refused_by_its_number(void **state)
 {
     (void)state;
@@ -414,6 +437,7 @@ int main(void)
         cmocka_unit_test(factors_and_extensions_reach_the_material),
         cmocka_unit_test(factors_out_of_range_are_all_named),
         cmocka_unit_test(textures_bring_image_and_wrapping),
+        cmocka_unit_test(nearest_filtering_is_warned_of_once_for_each_sampler),
         cmocka_unit_test(a_damaged_image_is_refused_by_its_number),
         cmocka_unit_test(lights_keep_their_units_and_place),
         cmocka_unit_test(bad_lights_are_refused_with_their_place),
