@@ -250,8 +250,9 @@ static void nearest_filtering_is_warned_of_once_for_each_sampler(void **state)
     (void)state;
     struct glint_scene *s = gltf_quad(
         "'images':[{'uri':'" RED_PNG "'}],'samplers':[{'magFilter':9728,'minFilter':9728},"
-        "{'magFilter':9729,'minFilter':9984},{'minFilter':9986},{'magFilter':9729,'minFilter':9985},"
-        "{'magFilter':9729,'minFilter':9987},{'magFilter':9728},{'magFilter':9728}],"
+        "{'magFilter':9729,'minFilter':9984},{'minFilter':9986},"
+        "{'magFilter':9729,'minFilter':9985},{'magFilter':9729,'minFilter':9987},{'magFilter':9728}"
+        ",{'magFilter':9728}],"
         "'textures':[{'source':0,'sampler':0},{'source':0,'sampler':0},{'source':0,'sampler':1},"
         "{'source':0,'sampler':2},{'source':0,'sampler':3},{'source':0,'sampler':4},"
         "{'source':0,'sampler':5},{'source':0,'sampler':6}],'materials':[{'pbrMetallicRoughness':"
