@@ -4,6 +4,7 @@
 #include "base/clock.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -34,6 +35,16 @@ static const char *const accepted[][4] = {
     [GLINT_BODY_SCENE] = {"model/gltf-binary", "application/json", "application/octet-stream"},
 };
 
+// Both the value of Accept and words of a sentence.
+static void list_accepted(enum glint_body_kind kind, char *out, size_t size)
+{
+    *out = 0;
+    for (int i = 0; i < 4 && accepted[kind][i]; i++) {
+        const size_t used = strlen(out);
+        snprintf(out + used, size - used, "%s%s", used ? ", " : "", accepted[kind][i]);
+    }
+}
+
 static bool type_is_accepted(struct glint_request *r, const char *given)
 {
     const enum glint_body_kind kind = r->route->body;
@@ -58,10 +69,12 @@ static bool check_type(struct glint_request *r)
     }
     if (type_is_accepted(r, given))
         return true;
-    glint_fail(&err, GLINT_E_MEDIA_TYPE, "", "Content-Type: %.80s is not taken here, %s is",
-               given ? given : "(none)", accepted[kind][0]);
+    char types[128];
+    list_accepted(kind, types, sizeof types);
+    glint_fail(&err, GLINT_E_MEDIA_TYPE, "", "Content-Type: %.80s is not one of %s",
+               given ? given : "(none)", types);
     glint_answer_error(r, &err);
-    glint_answer_header(r, "Accept", "%s", accepted[kind][0]);
+    glint_answer_header(r, "Accept", "%s", types);
     return false;
 }
 
