@@ -220,11 +220,10 @@ static cJSON *look(glint_http *h, struct topic *t)
 {
     cJSON *job = glint_jobs_describe(h->jobs, t->job, NULL);
     t->gone = !job;
-    if (!job)
-        return NULL;
+    if (!job || t->ended) // nothing follows `done`
+        return job;
     publish_warnings(t, job);
-    if (!has_ended(t->state))
-        publish_progress(t, job);
+    publish_progress(t, job);
     publish_state(t, job);
     return job;
 }
@@ -239,15 +238,17 @@ static void send_event(struct events *s, uint64_t id, const char *name, const ch
     glint_stream_add(&s->stream, "\n\n", 2);
 }
 
-// Sends the whole state, which stands for every event up to now.
+// Sends the whole state, which stands for every event up to now, but for the end: that has an event
+// of its own, so that who is cut off before it still gets it.
 static void send_state(struct events *s, const char *name, const cJSON *job)
 {
     char *data = cJSON_PrintUnformatted(job);
     s->cursor = s->topic->last;
     if (!data)
         return;
-    send_event(s, s->cursor, name, data);
-    if (s->topic->ended)
+    const bool ended = s->topic->ended;
+    send_event(s, s->cursor - ended, name, data);
+    if (ended)
         send_event(s, s->cursor, "done", data);
     free(data);
 }
