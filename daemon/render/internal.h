@@ -60,4 +60,9 @@ void glint_render_constants(const struct glint_render *r, struct gk_frame *out);
 void glint_render_matrices(const struct glint_render *r, float world_to_camera[16],
                            float world_to_ndc[16]);
 
+// Adds the attributes that every frame has, CONVENTIONS b; `samples`: the fewest of its pixels.
+// GLINT_E_NOMEM: some are missing.
+glint_status glint_render_attributes(struct glint_render *r, struct glint_frame *f,
+                                     uint32_t samples);
+
 #endif

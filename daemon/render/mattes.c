@@ -14,7 +14,9 @@ static bool has_coverage(const struct glint_render *r)
 
 static glint_status no_coverage(struct glint_error *err)
 {
-    return glint_fail(err, GLINT_E_NOT_FOUND, "/layer", "the job has no Cryptomatte output");
+    return glint_fail(
+        err, GLINT_E_RANGE, "",
+        "the job has none of the outputs crypto_object, crypto_material, crypto_asset");
 }
 
 // A tile's slot tables while they are locked.
@@ -27,9 +29,11 @@ struct tables {
 
 typedef void visit_tables(const struct glint_render *r, const struct tables *t, void *user);
 
-static void each_tile(struct glint_render *r, visit_tables *visit, void *user)
+// Returns the fewest samples of a tile.
+static uint32_t each_tile(struct glint_render *r, visit_tables *visit, void *user)
 {
     const uint32_t columns = glint_film_columns(r->film), rows = glint_film_rows(r->film);
+    uint32_t fewest = UINT32_MAX;
     for (uint32_t tile = 0; tile < columns * rows; tile++) {
         struct glint_film_tile at;
         struct tables t = {.x = tile % columns * GK_TILE_SIDE, .y = tile / columns * GK_TILE_SIDE};
@@ -41,7 +45,9 @@ static void each_tile(struct glint_render *r, visit_tables *visit, void *user)
         if (t.samples)
             visit(r, &t, user);
         glint_film_read_end(r->film, tile);
+        fewest = t.samples < fewest ? t.samples : fewest;
     }
+    return fewest;
 }
 
 struct totals {
@@ -154,6 +160,14 @@ static glint_status select_names(const struct glint_resident *scene, enum glint_
     return st;
 }
 
+static glint_status fill_matte(glint_render *r, const bool *selected, struct glint_frame *f)
+{
+    struct selection of = {selected, glint_frame_channel(f, "A", GLINT_PIXEL_FLOAT)};
+    if (!of.plane)
+        return GLINT_E_NOMEM;
+    return glint_render_attributes(r, f, each_tile(r, add_selected, &of));
+}
+
 glint_status glint_render_matte(glint_render *r, enum glint_matte_layer layer,
                                 const char *const *names, size_t count, struct glint_frame **out,
                                 struct glint_error *err)
@@ -170,13 +184,10 @@ glint_status glint_render_matte(glint_render *r, enum glint_matte_layer layer,
     if (!st)
         st = glint_frame_create(out, r->job.width, r->job.height, (int32_t)region[0],
                                 (int32_t)region[1], region[2], region[3], err);
-    struct selection of = {selected, st ? NULL : glint_frame_channel(*out, "A", GLINT_PIXEL_FLOAT)};
-    if (!st && !of.plane) {
+    if (!st && fill_matte(r, selected, *out)) {
         st = glint_fail(err, GLINT_E_NOMEM, "", "no memory for a matte");
         glint_frame_destroy(out);
     }
-    if (!st)
-        each_tile(r, add_selected, &of);
     free(selected);
     return st;
 }

@@ -105,6 +105,7 @@ glint_status glint_render_mattes(glint_render *render, enum glint_matte_layer la
                                  struct glint_matte_total **out, size_t *count, double *lost,
                                  struct glint_error *err);
 // Union coverage of the named; an unknown name is GLINT_E_NOT_FOUND at /name. One plane "A".
+// Both: GLINT_E_RANGE if the job has no Cryptomatte output.
 glint_status glint_render_matte(glint_render *render, enum glint_matte_layer layer,
                                 const char *const *names, size_t count, struct glint_frame **out,
                                 struct glint_error *err);

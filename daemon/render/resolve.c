@@ -205,7 +205,8 @@ static uint32_t resolve_frame(struct glint_render *r, const struct glint_frame *
     return fewest;
 }
 
-static glint_status add_attributes(struct glint_render *r, struct glint_frame *f, uint32_t samples)
+glint_status glint_render_attributes(struct glint_render *r, struct glint_frame *f,
+                                     uint32_t samples)
 {
     static const float rec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
     float to_camera[16], to_ndc[16];
@@ -246,7 +247,7 @@ static glint_status make_frame(struct glint_render *r, const uint32_t rect[4], u
         st = make_planes(*out, outputs, r->job.matte_levels, &planes, err);
     if (!st) {
         fewest = resolve_frame(r, *out, &planes);
-        st = add_attributes(r, *out, fewest);
+        st = glint_render_attributes(r, *out, fewest);
     }
     if (!st)
         st = add_manifests(r, *out, outputs);
