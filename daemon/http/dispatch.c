@@ -45,6 +45,7 @@ static void park(struct glint_request *r)
     pthread_mutex_lock(&h->lists);
     r->next_parked = h->first_parked;
     h->first_parked = r;
+    atomic_fetch_add(&h->readers, 1);
     pthread_mutex_unlock(&h->lists);
     // The job may have ended after the handler looked.
     glint_watch_wake(h->watch);
@@ -81,6 +82,7 @@ static struct glint_request *take_due(glint_http *http)
         struct glint_request *r = *at;
         if (due(r)) {
             *at = r->next_parked;
+            atomic_fetch_sub(&http->readers, 1);
             r->next_parked = taken;
             taken = r;
         } else {

@@ -61,7 +61,8 @@ bool glint_http_job_ended(glint_http *http, const char *job)
 static void job_changed(void *user)
 {
     glint_http *h = user;
-    glint_watch_wake(h->watch);
+    if (atomic_load(&h->readers)) // whoever comes later sees the change
+        glint_watch_wake(h->watch);
 }
 
 static void round_of_watch(void *user)

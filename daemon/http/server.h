@@ -44,6 +44,8 @@ struct glint_http {
     uint32_t streams;
     struct glint_request *first_parked; // they wait for their jobs to end
 
+    atomic_uint readers; // streams and parked requests; changed before a reader looks at its job
+
     pthread_mutex_t mutex; // guards these; nothing is called under it
     pthread_cond_t changed;
     uint32_t requests;  // from header to end

@@ -91,6 +91,7 @@ static void unlink_stream(struct glint_stream *s)
     if (s->next)
         s->next->previous = s->previous;
     h->streams--;
+    atomic_fetch_sub(&h->readers, 1);
     pthread_mutex_unlock(&h->lists);
 }
 
@@ -115,6 +116,7 @@ static bool link_stream(struct glint_stream *s)
     const bool room = h->streams < h->limits.streams && !glint_http_draining(h);
     if (room) {
         h->streams++;
+        atomic_fetch_add(&h->readers, 1);
         s->next = h->first_stream;
         if (s->next)
             s->next->previous = s;

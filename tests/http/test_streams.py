@@ -1,6 +1,12 @@
 """Streams of tiles and events, with readers that are fast, slow, gone or late."""
+import contextlib
+import http.client
+import json
+import os
+import re
 import signal
 import struct
+import time
 
 import tap
 from daemon import ROOM, Daemon
@@ -111,8 +117,12 @@ def test_events_tell_state_progress_and_the_end():
         job = submit(daemon, 512)
         with daemon.connect(f"/v1/jobs/{job}/events") as stream:
             assert stream.response.headers["Content-Type"] == "text/event-stream"
-            events = list(stream.events())
+            events, ids = [], []
+            for event in stream.events():
+                events.append(event)
+                ids.append(int(stream.last_id))
             last = stream.last_id
+        assert ids == sorted(set(ids))
         names = [name for name, _ in events]
         assert names[0] == "state" and names[-1] == "done" and "progress" in names
         progress = [data["progress"] for name, data in events if name == "progress"]
@@ -124,6 +134,57 @@ def test_events_tell_state_progress_and_the_end():
             assert [name for name, _ in stream.events()] == ["done"]
         with daemon.connect(path, {"Last-Event-ID": "1"}) as stream:
             assert [name for name, _ in stream.events()] == ["reset", "done"]
+
+
+def test_the_end_is_told_to_who_was_cut_off_before_it():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = submit(daemon, 1)
+        daemon.frame(job)
+        path = f"/v1/jobs/{job}/events"
+        for start, first in (({}, "state"), ({"Last-Event-ID": "1"}, "reset")):
+            with daemon.connect(path, start) as stream:
+                name, _ = next(stream.events())
+                before = stream.last_id
+            assert name == first
+            with daemon.connect(path, {"Last-Event-ID": before}) as stream:
+                assert [(name, data["state"]) for name, data in stream.events()] \
+                    == [("done", "done")]
+                assert int(stream.last_id) > int(before)
+
+
+def switches(daemon, thread):
+    """How often a thread of the daemon has waited."""
+    tasks = f"/proc/{daemon.process.pid}/task"
+    for task in os.listdir(tasks):
+        with open(f"{tasks}/{task}/comm", encoding="ascii") as comm:
+            if comm.read().strip() != thread:
+                continue
+        with open(f"{tasks}/{task}/status", encoding="ascii") as status:
+            return int(re.search(r"^voluntary_ctxt_switches:\s+(\d+)", status.read(), re.M)[1])
+    raise AssertionError(f"there is no thread {thread}")
+
+
+def rate_of_watch(daemon, job):
+    """Times a second that the watcher wakes over a second of rendering."""
+    with contextlib.closing(http.client.HTTPConnection("127.0.0.1", daemon.port)) as connection:
+        def samples():
+            connection.request("GET", f"/v1/jobs/{job}")
+            return json.load(connection.getresponse())["samples"]
+        while not samples():
+            pass
+        start, before, first = time.monotonic(), switches(daemon, "http-watch"), samples()
+        while time.monotonic() < start + 1 or samples() == first:
+            pass
+        return (switches(daemon, "http-watch") - before) / (time.monotonic() - start)
+
+
+def test_a_job_that_nobody_watches_does_not_wake_the_watcher():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = daemon.submit(scene="room", resolution=[64, 64], stop={"samples": 1000000})
+        assert rate_of_watch(daemon, job) < 10  # its own rounds are 4 a second
+        daemon.delete(f"/v1/jobs/{job}")
 
 
 def test_a_forgotten_job_ends_its_streams():
