@@ -65,6 +65,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/stream.c \
 	daemon/http/stream.h \
 	daemon/http/tiles.c \
+	daemon/http/trace.c \
+	daemon/http/trace.h \
 	daemon/http/watch.c \
 	daemon/http/watch.h \
 	daemon/jobs/admit.c \

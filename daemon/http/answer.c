@@ -22,6 +22,7 @@ void glint_answer_response(struct glint_request *r, int status, struct MHD_Respo
         r->response = MHD_create_response_from_buffer(0, NULL, MHD_RESPMEM_PERSISTENT);
     }
     glint_answer_header(r, "X-Request-Id", "%s", r->id);
+    glint_answer_header(r, "traceparent", "%s", r->trace);
     glint_answer_header(r, "X-Content-Type-Options", "nosniff");
 }
 

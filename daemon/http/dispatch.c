@@ -184,10 +184,11 @@ void glint_dispatch_completed(void *user, struct MHD_Connection *connection, voi
     *context = NULL;
     if (!r)
         return;
-    glint_log(GLINT_LOG_DEBUG, "http", NULL, r->id, "%s %s answered %d after %.3f s%s",
+    glint_log(GLINT_LOG_DEBUG, "http", NULL, r->id, "%s %s answered %d after %.3f s%s, trace %.32s",
               r->route ? r->route->method : "?", r->route ? r->route->pattern : "?", r->status,
               glint_now() - r->started,
-              code == MHD_REQUEST_TERMINATED_COMPLETED_OK ? "" : ", connection lost");
+              code == MHD_REQUEST_TERMINATED_COMPLETED_OK ? "" : ", connection lost",
+              r->trace + GLINT_TRACE_ID);
     glint_watch_deadline(h->watch, r->client, h->limits.idle_seconds);
     glint_request_destroy(&r);
     pthread_mutex_lock(&h->mutex);

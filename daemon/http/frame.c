@@ -125,6 +125,7 @@ void glint_http_frame_exr(struct glint_request *r)
     struct glint_error err = {0};
     struct glint_job_view view;
     struct wish wish = {.layout = GLINT_EXR_SINGLE};
+    glint_query_check(r, &err);
     read_outputs(r, &wish.outputs, &err);
     glint_query_choice(r, "layout", layouts, &wish.layout, &err);
     if (!glint_pixels_open(r, &view, &err))
@@ -145,6 +146,7 @@ void glint_http_frame_png(struct glint_request *r)
     const char *output = glint_request_query(r, "output");
     if (!output)
         output = "beauty";
+    glint_query_check(r, &err);
     read_output(output, strlen(output), "output", &wish.outputs, &err);
     glint_query_number(r, "exposure", -64, 64, &wish.exposure, &err);
     glint_query_choice(r, "tonemap", curves, &wish.tonemap, &err);

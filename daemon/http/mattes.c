@@ -49,6 +49,7 @@ void glint_http_mattes_list(struct glint_request *r)
     struct glint_error err = {0};
     struct glint_job_view view;
     int only = -1;
+    glint_query_check(r, &err);
     glint_query_choice(r, "layer", layer_name, &only, &err);
     if (!glint_pixels_open(r, &view, &err))
         return;
@@ -91,6 +92,7 @@ static struct glint_frame *open_matte(struct glint_request *r)
     const char *name[GLINT_MAX_PARAMETERS];
     size_t names = 0;
     int layer = GLINT_MATTE_OBJECT, class = 0;
+    glint_query_check(r, &err);
     glint_query_choice(r, "layer", layer_name, &layer, &err);
     glint_query_choice(r, "through", through, &class, &err);
     for (size_t i = 0; i < r->parameters; i++)
@@ -193,7 +195,9 @@ static glint_status pick(struct glint_request *r, const struct glint_job_view *v
 {
     const uint32_t outputs = view->job->outputs & GLINT_OUT_CRYPTO, *region = view->job->region;
     if (!outputs)
-        return glint_fail(err, GLINT_E_RANGE, "", "the job has no crypto output");
+        return glint_fail(
+            err, GLINT_E_RANGE, "",
+            "the job has none of the outputs crypto_object, crypto_material, crypto_asset");
     if (x - region[0] >= region[2] || y - region[1] >= region[3])
         return glint_fail(err, GLINT_E_RANGE, "", "x, y: %llu, %llu is not in the region",
                           (unsigned long long)x, (unsigned long long)y);
@@ -222,6 +226,7 @@ void glint_http_mattes_pick(struct glint_request *r)
     struct glint_error err = {0};
     struct glint_job_view view;
     uint64_t x = 0, y = 0;
+    glint_query_check(r, &err);
     if (!glint_request_query(r, "x") || !glint_request_query(r, "y"))
         glint_fail(&err, GLINT_E_RANGE, "", "x, y: both are needed");
     glint_query_integer(r, "x", GLINT_MAX_SIDE - 1, &x, &err);

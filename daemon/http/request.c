@@ -29,6 +29,23 @@ static void name_request(struct glint_request *r)
     snprintf(r->id, sizeof r->id, "%016llx", (unsigned long long)number);
 }
 
+static enum MHD_Result count_trace(void *user, enum MHD_ValueKind kind, const char *name,
+                                   const char *value)
+{
+    (void)kind;
+    (void)value;
+    *(unsigned *)user += !strcasecmp(name, "traceparent");
+    return MHD_YES;
+}
+
+// Of two that contradict each other neither is believed.
+static void read_trace(struct glint_request *r)
+{
+    unsigned count = 0;
+    MHD_get_connection_values(r->connection, MHD_HEADER_KIND, count_trace, &count);
+    glint_trace_continue(r->trace, count == 1 ? glint_request_header(r, "traceparent") : NULL);
+}
+
 static int hex_digit(char c)
 {
     if (c >= '0' && c <= '9')
@@ -113,21 +130,6 @@ static bool allowed(const char *query, const char *name, bool *repeats)
     return false;
 }
 
-static void check_query(struct glint_request *r, struct glint_error *err)
-{
-    if (r->bad_query)
-        glint_fail(err, GLINT_E_SYNTAX, "", "the query is malformed or has over %d parameters",
-                   GLINT_MAX_PARAMETERS);
-    for (size_t i = 0; i < r->parameters && !r->bad_query; i++) {
-        const char *name = r->parameter[i].name;
-        bool repeats;
-        if (!allowed(r->route->query, name, &repeats))
-            glint_fail(err, GLINT_E_RANGE, "", "%.64s: no such parameter here", name);
-        else if (!repeats && glint_request_query(r, name) != r->parameter[i].value)
-            glint_fail(err, GLINT_E_RANGE, "", "%.64s: given more than once", name);
-    }
-}
-
 // A page in a browser can be pointed at this machine by a name that its owner controls; then the
 // Host is that name.
 static bool local_host(const char *host)
@@ -177,7 +179,11 @@ static void check_header(struct glint_request *r, const char *url, const char *m
     glint_route_find(r, method);
     if (r->status)
         return;
-    check_query(r, &err);
+    if (r->bad_query)
+        glint_fail(&err, GLINT_E_SYNTAX, "", "the query is malformed or has over %d parameters",
+                   GLINT_MAX_PARAMETERS);
+    else if (!*r->route->query) // otherwise the handler tells it with what else is wrong
+        glint_query_check(r, &err);
     if (err.count)
         glint_answer_error(r, &err);
     else
@@ -200,6 +206,7 @@ struct glint_request *glint_request_create(glint_http *http, struct MHD_Connecti
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
     r->client = info && info->socket_context ? (uint64_t)(uintptr_t)info->socket_context : 0;
     name_request(r);
+    read_trace(r);
     check_header(r, url, method, version);
     return r;
 }
@@ -249,6 +256,18 @@ const char *glint_request_query(const struct glint_request *r, const char *name)
         if (!strcmp(r->parameter[i].name, name))
             return r->parameter[i].value;
     return NULL;
+}
+
+void glint_query_check(const struct glint_request *r, struct glint_error *err)
+{
+    for (size_t i = 0; i < r->parameters; i++) {
+        const char *name = r->parameter[i].name;
+        bool repeats;
+        if (!allowed(r->route->query, name, &repeats))
+            glint_fail(err, GLINT_E_RANGE, "", "%.64s: no such parameter here", name);
+        else if (!repeats && glint_request_query(r, name) != r->parameter[i].value)
+            glint_fail(err, GLINT_E_RANGE, "", "%.64s: given more than once", name);
+    }
 }
 
 void glint_query_number(const struct glint_request *r, const char *name, double low, double high,

@@ -10,6 +10,7 @@
 
 #include "http/offload.h"
 #include "http/server.h"
+#include "http/trace.h"
 
 #include <stdatomic.h>
 
@@ -42,6 +43,7 @@ struct glint_request {
     const struct glint_route *route; // NULL: none matches
     double started;
     char id[GLINT_REQUEST_ID_BYTES];
+    char trace[GLINT_TRACE_BYTES]; // traceparent of this request
     bool head;
 
     char *url;  // as it came, without the query; NULL without memory
@@ -80,6 +82,10 @@ bool glint_request_matches(struct glint_request *r, const char *header, const ch
 
 // First value of a query parameter, or NULL.
 const char *glint_request_query(const struct glint_request *r, const char *name);
+
+// Appends a fault for each parameter that the route does not have or that is given more than once.
+// Routes without parameters have been checked; the handler of any other calls this first.
+void glint_query_check(const struct glint_request *r, struct glint_error *err);
 
 // Each reads a parameter if it is there and appends a fault if it is malformed.
 void glint_query_number(const struct glint_request *r, const char *name, double low, double high,

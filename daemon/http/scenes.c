@@ -49,6 +49,7 @@ void glint_http_scenes_get(struct glint_request *r)
     struct glint_error err = {0};
     glint_revision *revision = NULL;
     int format = 0;
+    glint_query_check(r, &err);
     glint_query_choice(r, "format", formats, &format, &err);
     if (err.count || glint_store_get(r->http->store, r->argument[0], &revision, &err)) {
         glint_answer_error(r, &err);
@@ -136,6 +137,7 @@ void glint_http_scenes_delete(struct glint_request *r)
     struct glint_error err = {0};
     char must[ETAG_BYTES];
     int force = 0;
+    glint_query_check(r, &err);
     glint_query_choice(r, "force", choices, &force, &err);
     if (!err.count && !check_conditions(r, must))
         return;

@@ -167,6 +167,7 @@ void glint_http_tiles_stream(struct glint_request *r)
 {
     struct glint_error err = {0};
     uint64_t since = 0;
+    glint_query_check(r, &err);
     glint_query_integer(r, "since", UINT64_MAX, &since, &err);
     if (err.count || !check_job(r, &err)) {
         glint_answer_error(r, &err);

@@ -74,15 +74,17 @@ class Answer:
 
 
 class Daemon:
-    def __init__(self, *options):
+    def __init__(self, *options, environment=None):
         self.options = options
+        self.environment = {**os.environ, **(environment or {})}
 
     def __enter__(self):
         self.state = tempfile.mkdtemp(prefix="glint-test-")
         self.log = open(os.path.join(self.state, "log"), "a+", encoding="utf-8")
         self.process = subprocess.Popen(
             [GLINTD, "--listen", "127.0.0.1:0", "--state", self.state, *self.options],
-            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=self.log, text=True)
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=self.log, text=True,
+            env=self.environment)
         try:
             self.url = self.read_url()
             self.port = urlsplit(self.url).port

@@ -186,5 +186,43 @@ def test_mattes_are_listed_drawn_and_picked():
         assert daemon.get(f"/v1/jobs/{job}/pick?x=128&y=0").status == 422
 
 
+def attributes(exr):
+    """{name: value} of the header of a file of one part."""
+    found, at = {}, 8
+    while exr[at]:
+        name, kind, rest = exr[at:].split(b"\0", 2)
+        at += len(name) + len(kind) + 2
+        size = int.from_bytes(exr[at:at + 4], "little")
+        found[name.decode()] = exr[at + 4:at + 4 + size]
+        at += 4 + size
+    return found
+
+
+def test_a_matte_tells_of_its_frame_what_the_frame_tells():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = daemon.submit(scene="room", stop={"samples": 4}, seed=9)
+        frame = attributes(daemon.frame(job))
+        matte = attributes(daemon.get(f"/v1/jobs/{job}/matte.exr?name=ball").body)
+        same = {"software", "chromaticities", "worldToCamera", "worldToNDC",
+                *(name for name in frame if name.startswith("glint/"))}
+        assert {"glint/samples", "glint/seed", "glint/sceneHash", "glint/complete"} < same
+        assert {name: matte.get(name) for name in same} == {name: frame[name] for name in same}
+        assert matte["glint/samples"] == bytes([4, 0, 0, 0])
+
+
+def test_without_a_matte_output_every_matte_is_a_fault_of_the_same_kind():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = daemon.submit(scene="room", stop={"samples": 1}, outputs=["beauty"])
+        daemon.frame(job)
+        for call in ("matte.png?name=ball", "matte.exr?name=ball", "pick?x=1&y=1",
+                     "mattes?layer=object"):
+            answer = daemon.get(f"/v1/jobs/{job}/{call}")
+            assert answer.status == 422 and answer.pointers() == [""], (call, answer.body)
+            for output in ("crypto_object", "crypto_material", "crypto_asset"):
+                assert output in answer.json()["errors"][0]["detail"], (call, answer.body)
+
+
 if __name__ == "__main__":
     tap.main()

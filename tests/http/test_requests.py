@@ -52,6 +52,92 @@ def test_raw_requests_get_their_status_and_the_daemon_serves_on():
         assert daemon.get("/healthz").status == 200
 
 
+def test_a_type_that_is_not_taken_is_answered_with_all_that_are():
+    wanted = {
+        ("PUT", "/v1/scenes/a"): "model/gltf-binary, application/json, application/octet-stream",
+        ("POST", "/v1/jobs"): "application/json",
+        ("PATCH", "/v1/jobs/a"): "application/merge-patch+json, application/json",
+    }
+    with Daemon() as daemon:
+        for (method, path), types in wanted.items():
+            answer = daemon.ask(method, path, b"{}", {"Content-Type": "text/plain"})
+            assert answer.status == 415 and answer.headers["Accept"] == types, answer.body
+            assert types in answer.json()["detail"]
+
+
+def faulty_parameters(answer):
+    return sorted(fault["detail"].partition(":")[0] for fault in answer.json()["errors"])
+
+
+def test_every_fault_of_a_query_is_named_in_one_answer():
+    job = "/v1/jobs/none"
+    faults = {
+        f"{job}/frame.exr?layout=x&wait=y&z=1&outputs=smell": ["layout", "outputs", "wait", "z"],
+        f"{job}/frame.png?exposure=loud&exposure=1&q=1": ["exposure", "exposure", "q"],
+        f"{job}/matte.png?through=wall&layer=skin&z=": ["layer", "name", "through", "z"],
+        f"{job}/pick?x=-1&y=a&z=1": ["x", "y", "z"],
+        f"{job}/tiles?since=then&z=1": ["since", "z"],
+        "/v1/scenes/none?format=usd&z=1": ["format", "z"],
+        "/v1?a=1&b=2": ["a", "b"],
+    }
+    with Daemon() as daemon:
+        for path, names in faults.items():
+            answer = daemon.get(path)
+            assert answer.status == 422, (path, answer.body)
+            assert faulty_parameters(answer) == names, (path, answer.body)
+
+
+def test_no_call_takes_a_parameter_that_it_does_not_know():
+    with Daemon() as daemon:
+        for method, path in calls_of_contract(daemon.get("/openapi.yaml").body.decode()):
+            answer = daemon.ask(method, path.replace("{}", "none") + "?smell=1")
+            assert answer.status == 422, (method, path, answer.status)
+            assert "smell" in faulty_parameters(answer), (method, path, answer.body)
+
+
+TRACE, SPAN = "4bf92f3577b34da6a3ce929d0e0e4736", "00f067aa0ba902b7"
+NO_TRACES = [
+    None, "", "00", f"01-{TRACE}-{SPAN}-01", f"ff-{TRACE}-{SPAN}-01", f"00-{TRACE}-{SPAN}",
+    f"00-{TRACE}-{SPAN}-01-x", f"00-{TRACE}-{SPAN}-0g", f"00-{TRACE}-{SPAN}-001",
+    f"00-{TRACE.upper()}-{SPAN}-01", f"00-{'0' * 32}-{SPAN}-01", f"00-{TRACE}-{'0' * 16}-01",
+    f"00-{TRACE[1:]}-{SPAN}-01", f"00-{TRACE}0-{SPAN}-01", f"00-{TRACE}-{SPAN}0-01",
+    f"00_{TRACE}_{SPAN}_01", f"00-{TRACE}-{SPAN}-01" + "0" * 5000, "00-%s%n-\t",
+]
+
+
+def trace_of(answer):
+    """trace-id, parent-id and flags, of which neither ID is zero."""
+    found = re.fullmatch(r"00-([0-9a-f]{32})-([0-9a-f]{16})-(0[01])",
+                         answer.headers["traceparent"])
+    assert found and int(found[1], 16) and int(found[2], 16), answer.headers["traceparent"]
+    return found.groups()
+
+
+def test_a_trace_is_continued_in_the_answer_and_the_log():
+    with Daemon(environment={"GLINT_DEBUG": "http"}) as daemon:
+        for flags, kept in (("01", "01"), ("00", "00"), ("fe", "00"), ("ff", "01")):
+            answer = daemon.get("/v1/jobs/none", {"traceparent": f"00-{TRACE}-{SPAN}-{flags}"})
+            trace, span, sampled = trace_of(answer)
+            assert (trace, sampled) == (TRACE, kept) and span != SPAN
+        assert daemon.stop() == 0
+        lines = [line for line in daemon.logged().splitlines() if f"trace {TRACE}" in line]
+        assert len(lines) == 4 and all("answered 404" in line for line in lines), daemon.logged()
+
+
+def test_a_trace_that_is_missing_or_malformed_begins_anew():
+    with Daemon() as daemon:
+        made = set()
+        for given in NO_TRACES:
+            answer = daemon.get("/healthz", {} if given is None else {"traceparent": given})
+            trace, _, sampled = trace_of(answer)
+            assert answer.status == 200 and sampled == "00" and trace != TRACE, given
+            made.add(trace)
+        assert len(made) == len(NO_TRACES)
+        line = f"traceparent: 00-{TRACE}-{SPAN}-01\r\n".encode()
+        answer = daemon.raw(b"GET /healthz HTTP/1.1\r\n" + line + line + END)
+        assert status(answer) == 200 and TRACE.encode() not in answer
+
+
 def test_every_problem_names_itself_and_its_request():
     with Daemon() as daemon:
         answer = daemon.get("/v1/jobs/none", {"X-Request-Id": "shot-7"})
