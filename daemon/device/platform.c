@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define MAX_PLATFORMS 16
 #define POCL_NAME "Portable Computing Language"
@@ -30,6 +31,19 @@ static void name_devices(uint32_t count)
     for (uint32_t i = 1; i < count; i++)
         strcat(list, " basic");
     setenv("POCL_DEVICES", list, 0);
+}
+
+// PoCL asks hwloc how much memory there is, and ends the process where a bare chroot has no /sys to
+// answer from.
+static void describe_machine(void)
+{
+    if (!access("/sys/devices/system/cpu", F_OK))
+        return;
+    char text[96];
+    snprintf(text, sizeof text, "node:1(memory=%lld) pu:%ld",
+             (long long)sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGESIZE),
+             sysconf(_SC_NPROCESSORS_ONLN));
+    setenv("HWLOC_SYNTHETIC", text, 0);
 }
 
 static int is_llvm(struct dl_phdr_info *info, size_t size, void *path)
@@ -142,8 +156,10 @@ glint_status glint_platform_open(cl_device_id *device, uint32_t count, const cha
 {
     static bool opened;
     cl_platform_id platform = NULL;
-    if (!opened)
+    if (!opened) {
         name_devices(count);
+        describe_machine();
+    }
     glint_status st = find_platform(&platform, err);
     if (st)
         return st;
