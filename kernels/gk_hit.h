@@ -53,6 +53,25 @@ GK_INLINE struct gk_vec gk_instance_normal(const GK_GLOBAL struct gk_instance *r
 }
 
 #ifdef GK_NORMAL_MAPS
+// A vector along the surface, up to its length, zero if that is zero: the cofactors of the inverse
+// transpose are the placement itself over its determinant, which is positive where a mesh is placed.
+GK_INLINE struct gk_vec gk_instance_vector(const GK_GLOBAL struct gk_instance *row, struct gk_vec t)
+{
+#ifdef GK_INSTANCES
+    const GK_GLOBAL gk_f32 *m = row->normal;
+    const struct gk_vec a = gk_vec(m[0], m[1], m[2]);
+    const struct gk_vec b = gk_vec(m[3], m[4], m[5]);
+    const struct gk_vec c = gk_vec(m[6], m[7], m[8]);
+    const struct gk_vec turned = gk_normalise_any(
+        gk_vec(gk_dot(gk_cross(b, c), t), gk_dot(gk_cross(c, a), t), gk_dot(gk_cross(a, b), t)));
+    const gk_i32 turns = (row->flags & GK_INSTANCE_TRANSFORMED) != 0u && gk_dot(t, t) > 0.0f;
+    return gk_vec_select(t, turned, turns);
+#else
+    (void)row;
+    return t;
+#endif
+}
+
 // Shading normal from the normal map, in the frame of the interpolated tangents.
 GK_INLINE struct gk_vec gk_mapped_normal(const struct gk_resident *r, const struct gk_hit *hit,
                                          gk_f32 u, gk_f32 v)
@@ -62,7 +81,7 @@ GK_INLINE struct gk_vec gk_mapped_normal(const struct gk_resident *r, const stru
     const gk_f32 w = 1.0f - u - v;
     const struct gk_vec raw = gk_vec(w * t[0] + u * t[4] + v * t[8], w * t[1] + u * t[5] + v * t[9],
                                      w * t[2] + u * t[6] + v * t[10]);
-    struct gk_vec tangent = gk_instance_normal(r->instance + hit->instance, raw);
+    struct gk_vec tangent = gk_instance_vector(r->instance + hit->instance, raw);
     tangent = gk_normalise(gk_along(tangent, hit->ns, -gk_dot(tangent, hit->ns)));
     const struct gk_vec bitangent = gk_scale(gk_cross(hit->ns, tangent), t[3]);
     const struct gk_texel n = gk_texture_fetch(&r->textures, m->normal_texture, hit->tu, hit->tv);
