@@ -16,6 +16,7 @@ UNIT_TESTS = \
 	tests/kernel/test_sampler \
 	tests/render/test_camera \
 	tests/render/test_effects \
+	tests/render/test_features \
 	tests/render/test_matte_names \
 	tests/render/test_mattes \
 	tests/render/test_transport \
@@ -72,12 +73,13 @@ tests_render_render_file_SOURCES = tests/render/render_file.c $(offline)
 tests_render_test_camera_SOURCES = tests/render/test_camera.c $(offline) $(picture)
 tests_render_test_transport_SOURCES = tests/render/test_transport.c $(offline)
 tests_unit_test_film_SOURCES = tests/unit/test_film.c $(offline)
-tests_render_test_effects_SOURCES = tests/render/test_effects.c $(offline)
 tests_render_test_matte_names_SOURCES = tests/render/test_matte_names.c $(offline) $(things)
 tests_render_test_mattes_SOURCES = tests/render/test_mattes.c $(offline) $(things)
 tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
 
 stable = tests/stability/stable.c tests/stability/stable.h $(offline)
+tests_render_test_effects_SOURCES = tests/render/test_effects.c $(stable)
+tests_render_test_features_SOURCES = tests/render/test_features.c $(stable)
 tests_stability_test_degenerate_SOURCES = tests/stability/test_degenerate.c $(stable)
 tests_stability_test_demo_SOURCES = tests/stability/test_demo.c $(stable)
 tests_stability_test_environment_SOURCES = tests/stability/test_environment.c $(stable)
