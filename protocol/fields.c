@@ -36,15 +36,21 @@ static bool read_field(const struct glint_json *at, const struct glint_field *f,
     case GLINT_FIELD_FLOAT:
         return f->count ? glint_json_floats(at, f->count, low, high, to)
                         : glint_json_float(at, low, high, to);
-    case GLINT_FIELD_DOUBLE: return glint_json_double(at, f->low, f->high, to);
+    case GLINT_FIELD_DOUBLE:
+        return glint_json_double(at, f->low, f->high, to);
     case GLINT_FIELD_UINT:
         return f->count ? glint_json_uints(at, f->count, (uint32_t)f->low, (uint32_t)f->high, to)
                         : glint_json_uint(at, (uint32_t)f->low, (uint32_t)f->high, to);
-    case GLINT_FIELD_INT: return glint_json_int(at, (int32_t)f->low, (int32_t)f->high, to);
-    case GLINT_FIELD_BOOL: return glint_json_bool(at, to);
-    case GLINT_FIELD_CHOICE: return read_choice(at, f, to);
-    case GLINT_FIELD_STRING: return glint_json_string(at, arena, to);
-    default: return true;
+    case GLINT_FIELD_INT:
+        return glint_json_int(at, (int32_t)f->low, (int32_t)f->high, to);
+    case GLINT_FIELD_BOOL:
+        return glint_json_bool(at, to);
+    case GLINT_FIELD_CHOICE:
+        return read_choice(at, f, to);
+    case GLINT_FIELD_STRING:
+        return glint_json_string(at, arena, to);
+    default:
+        return true;
     }
 }
 
@@ -79,20 +85,28 @@ static void write_value(struct glint_text *t, const struct glint_field *f, const
         else
             glint_text_float(t, *(const float *)from);
         break;
-    case GLINT_FIELD_DOUBLE: glint_text_double(t, *(const double *)from); break;
+    case GLINT_FIELD_DOUBLE:
+        glint_text_double(t, *(const double *)from);
+        break;
     case GLINT_FIELD_UINT:
         if (f->count)
             write_uints(t, from, f->count);
         else
             glint_text_print(t, "%u", *(const uint32_t *)from);
         break;
-    case GLINT_FIELD_INT: glint_text_print(t, "%d", *(const int32_t *)from); break;
-    case GLINT_FIELD_BOOL: glint_text_add(t, *(const bool *)from ? "true" : "false"); break;
+    case GLINT_FIELD_INT:
+        glint_text_print(t, "%d", *(const int32_t *)from);
+        break;
+    case GLINT_FIELD_BOOL:
+        glint_text_add(t, *(const bool *)from ? "true" : "false");
+        break;
     case GLINT_FIELD_CHOICE:
         memcpy(&choice, from, sizeof choice);
         glint_text_string(t, f->choices[choice]);
         break;
-    default: glint_text_string(t, *(char *const *)from); break;
+    default:
+        glint_text_string(t, *(char *const *)from);
+        break;
     }
 }
 
@@ -101,7 +115,8 @@ void glint_fields_write(struct glint_text *text, const struct glint_field *field
 {
     for (const struct glint_field *f = fields; f->kind; f++) {
         const char *from = (const char *)record + f->offset;
-        if (f->kind == GLINT_FIELD_OTHER || (f->kind == GLINT_FIELD_STRING && !*(char *const *)from))
+        if (f->kind == GLINT_FIELD_OTHER ||
+            (f->kind == GLINT_FIELD_STRING && !*(char *const *)from))
             continue;
         glint_text_key(text, f->name);
         write_value(text, f, from);

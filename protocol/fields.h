@@ -31,9 +31,14 @@ struct glint_field {
 };
 
 // For tables: GLINT_FIELD(FLOAT, struct x, member, .high = 1).
-#define GLINT_FIELD(KIND, TYPE, MEMBER, ...) \
-    {.name = #MEMBER, .kind = GLINT_FIELD_##KIND, .offset = offsetof(TYPE, MEMBER), __VA_ARGS__}
-#define GLINT_FIELD_KNOWN(NAME) {.name = NAME, .kind = GLINT_FIELD_OTHER}
+#define GLINT_FIELD(KIND, TYPE, MEMBER, ...)                                                       \
+    {                                                                                              \
+        .name = #MEMBER, .kind = GLINT_FIELD_##KIND, .offset = offsetof(TYPE, MEMBER), __VA_ARGS__ \
+    }
+#define GLINT_FIELD_KNOWN(NAME)                 \
+    {                                           \
+        .name = NAME, .kind = GLINT_FIELD_OTHER \
+    }
 
 // Faults for unknown members and for values out of range; absent members leave `record` as it was.
 bool glint_fields_read(const struct glint_json *object, const struct glint_field *fields,

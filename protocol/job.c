@@ -4,7 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct { uint32_t bit; const char *name; } outputs[] = {
+static const struct {
+    uint32_t bit;
+    const char *name;
+} outputs[] = {
     {GLINT_OUT_BEAUTY, "beauty"},
     {GLINT_OUT_CRYPTO_OBJECT, "crypto_object"},
     {GLINT_OUT_CRYPTO_MATERIAL, "crypto_material"},
@@ -39,10 +42,15 @@ const struct glint_field glint_job_fields[] = {
 };
 
 const struct glint_field glint_filter_fields[] = {
-    {.name = "kind", .kind = GLINT_FIELD_CHOICE, .offset = offsetof(struct glint_job, filter),
+    {.name = "kind",
+     .kind = GLINT_FIELD_CHOICE,
+     .offset = offsetof(struct glint_job, filter),
      .choices = filters},
-    {.name = "width", .kind = GLINT_FIELD_FLOAT, .offset = offsetof(struct glint_job, filter_width),
-     .low = 0.5, .high = 16},
+    {.name = "width",
+     .kind = GLINT_FIELD_FLOAT,
+     .offset = offsetof(struct glint_job, filter_width),
+     .low = 0.5,
+     .high = 16},
     {0},
 };
 
@@ -54,10 +62,16 @@ const struct glint_field glint_stop_fields[] = {
 };
 
 const struct glint_field glint_matte_fields[] = {
-    {.name = "slots", .kind = GLINT_FIELD_UINT, .offset = offsetof(struct glint_job, matte_slots),
-     .low = 4, .high = 32},
-    {.name = "levels", .kind = GLINT_FIELD_UINT, .offset = offsetof(struct glint_job, matte_levels),
-     .low = 1, .high = 20},
+    {.name = "slots",
+     .kind = GLINT_FIELD_UINT,
+     .offset = offsetof(struct glint_job, matte_slots),
+     .low = 4,
+     .high = 32},
+    {.name = "levels",
+     .kind = GLINT_FIELD_UINT,
+     .offset = offsetof(struct glint_job, matte_levels),
+     .low = 1,
+     .high = 20},
     {0},
 };
 

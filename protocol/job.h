@@ -53,7 +53,7 @@ struct glint_job {
     uint32_t outputs;               // glint_output bits; default beauty and the three crypto types
     uint8_t dial[GLINT_DIAL_COUNT]; // setting of each dial, an index into its row of the dial table
     uint32_t matte_slots;           // 4..32
-    uint32_t matte_levels;      // 1..16: slots hold twice as many candidates
+    uint32_t matte_levels;          // 1..16: slots hold twice as many candidates
     enum glint_filter_kind filter;
     float filter_width;   // pixels, 0.5..16; default blackman_harris 1.5... box 1
     uint32_t max_bounces; // 0..1024; default 8

@@ -22,7 +22,8 @@ static void set_defaults(struct glint_job *job)
 
 static void check_scene_name(const struct glint_json *at, const char *name)
 {
-    static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
+    static const char allowed[] =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
     const size_t n = name ? strlen(name) : 0;
     if (name && (n < 1 || n > 128 || strspn(name, allowed) != n))
         glint_json_fault(at, "a scene's name has 1 to 128 of A-Z a-z 0-9 . _ -");
@@ -144,7 +145,8 @@ static void read_slots(const struct glint_json *mattes, struct glint_job *job)
     const struct glint_json slots = glint_json_member(mattes, "slots");
     const struct glint_json levels = glint_json_member(mattes, "levels");
     const struct glint_field *f = glint_matte_fields;
-    bool fine = glint_json_uint(&levels, (uint32_t)f[1].low, (uint32_t)f[1].high, &job->matte_levels);
+    bool fine =
+        glint_json_uint(&levels, (uint32_t)f[1].low, (uint32_t)f[1].high, &job->matte_levels);
     job->matte_slots = job->matte_levels > 6 ? 2 * job->matte_levels : 12;
     fine &= glint_json_uint(&slots, (uint32_t)f[0].low, (uint32_t)f[0].high, &job->matte_slots);
     if (!fine)
@@ -194,10 +196,13 @@ static void refuse_live(const struct glint_json *at)
 
 static void read_members(const struct glint_json *root, struct glint_job *job)
 {
-    const struct { const char *name; void (*read)(const struct glint_json *, struct glint_job *); }
-        parts[] = {{"camera", read_camera}, {"resolution", read_resolution}, {"region", read_region},
-                   {"outputs", read_outputs}, {"accuracy", read_accuracy}, {"mattes", read_mattes},
-                   {"filter", read_filter}, {"stop", read_stop}};
+    const struct {
+        const char *name;
+        void (*read)(const struct glint_json *, struct glint_job *);
+    } parts[] = {{"camera", read_camera},     {"resolution", read_resolution},
+                 {"region", read_region},     {"outputs", read_outputs},
+                 {"accuracy", read_accuracy}, {"mattes", read_mattes},
+                 {"filter", read_filter},     {"stop", read_stop}};
     const struct glint_json scene = glint_json_member(root, "scene");
     const struct glint_json live = glint_json_member(root, "live");
     glint_fields_read(root, glint_job_fields, &job->arena, job);
@@ -237,8 +242,8 @@ glint_status glint_job_parse(struct glint_job **out, const char *text, size_t le
     if (status)
         return status;
     struct glint_job *job = calloc(1, sizeof *job);
-    status = job ? read_tree(job, tree, err)
-                 : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a job");
+    status =
+        job ? read_tree(job, tree, err) : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a job");
     cJSON_Delete(tree);
     if (status)
         glint_job_destroy(&job);

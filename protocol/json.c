@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const struct glint_json_limits glint_json_request = {.bytes = 1u << 20, .depth = 16, .values = 20000};
+const struct glint_json_limits glint_json_request = {
+    .bytes = 1u << 20, .depth = 16, .values = 20000};
 
 struct glint_json glint_json_root(const cJSON *value, struct glint_error *err)
 {
@@ -25,7 +26,10 @@ struct glint_json glint_json_member(const struct glint_json *object, const char 
 
 struct glint_json glint_json_item(const struct glint_json *parent, const cJSON *child, size_t index)
 {
-    return (struct glint_json){.value = child, .parent = parent, .err = parent->err, .index = index,
+    return (struct glint_json){.value = child,
+                               .parent = parent,
+                               .err = parent->err,
+                               .index = index,
                                .key = cJSON_IsObject(parent->value) ? child->string : NULL};
 }
 

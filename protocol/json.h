@@ -40,9 +40,9 @@ glint_status glint_json_check(const char *text, size_t length,
 
 // A value and the way to it. Lives on the stack and points at its parent there.
 struct glint_json {
-    const cJSON *value; // NULL: absent
+    const cJSON *value;              // NULL: absent
     const struct glint_json *parent; // NULL: the root
-    const char *key; // NULL: the element `index` of an array
+    const char *key;                 // NULL: the element `index` of an array
     size_t index;
     struct glint_error *err; // takes the faults
 };
@@ -51,7 +51,8 @@ struct glint_json glint_json_root(const cJSON *value, struct glint_error *err);
 // Absent when `object` is no object or has no such member.
 struct glint_json glint_json_member(const struct glint_json *object, const char *key);
 // For walks along cJSON's child list.
-struct glint_json glint_json_item(const struct glint_json *parent, const cJSON *child, size_t index);
+struct glint_json glint_json_item(const struct glint_json *parent, const cJSON *child,
+                                  size_t index);
 
 // Appends a GLINT_E_RANGE fault at the value; returns false.
 bool glint_json_fault(const struct glint_json *at, const char *format, ...)
@@ -74,7 +75,8 @@ bool glint_json_string(const struct glint_json *at, struct glint_arena *arena, c
 // *out: index in the NULL-terminated list of names.
 bool glint_json_choice(const struct glint_json *at, const char *const *names, int *out);
 // Arrays of exactly `count` numbers.
-bool glint_json_floats(const struct glint_json *at, size_t count, float low, float high, float *out);
+bool glint_json_floats(const struct glint_json *at, size_t count, float low, float high,
+                       float *out);
 bool glint_json_uints(const struct glint_json *at, size_t count, uint32_t low, uint32_t high,
                       uint32_t *out);
 // Number of elements; a fault if it is no array. Absent: 0.

@@ -178,7 +178,8 @@ static bool scan_items(struct scan *s, char close, bool keyed)
             return false;
         skip_space(s);
     } while (accept(s, ','));
-    return accept(s, close) || syntax(s, keyed ? "a comma or } is expected" : "a comma or ] is expected");
+    return accept(s, close) ||
+           syntax(s, keyed ? "a comma or } is expected" : "a comma or ] is expected");
 }
 
 static bool scan_container(struct scan *s)
@@ -226,7 +227,8 @@ glint_status glint_json_check(const char *text, size_t length,
         return glint_fail(err, GLINT_E_TOO_LARGE, "", "%zu bytes of JSON; the limit is %zu", length,
                           limits->bytes);
     struct glint_error local = {0}; // so that the code is known even without `err`
-    struct scan s = {.at = text, .start = text, .end = text + length, .limits = limits, .err = &local};
+    struct scan s = {
+        .at = text, .start = text, .end = text + length, .limits = limits, .err = &local};
     if (scan_value(&s)) {
         skip_space(&s);
         if (s.at < s.end)

@@ -11,12 +11,18 @@ static const char *kind(const cJSON *value)
 {
     switch (value->type & 0xff) {
     case cJSON_False:
-    case cJSON_True: return "a boolean";
-    case cJSON_NULL: return "null";
-    case cJSON_Number: return "a number";
-    case cJSON_String: return "a string";
-    case cJSON_Array: return "an array";
-    default: return "an object";
+    case cJSON_True:
+        return "a boolean";
+    case cJSON_NULL:
+        return "null";
+    case cJSON_Number:
+        return "a number";
+    case cJSON_String:
+        return "a string";
+    case cJSON_Array:
+        return "an array";
+    default:
+        return "an object";
     }
 }
 
@@ -214,7 +220,8 @@ static bool counted(const struct glint_json *at, size_t count)
     size_t length;
     if (!glint_json_length(at, &length))
         return false;
-    return length == count || glint_json_fault(at, "%zu numbers are expected, not %zu", count, length);
+    return length == count ||
+           glint_json_fault(at, "%zu numbers are expected, not %zu", count, length);
 }
 
 bool glint_json_floats(const struct glint_json *at, size_t count, float low, float high, float *out)

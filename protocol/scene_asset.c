@@ -84,8 +84,8 @@ bool glint_pack_mesh(struct glint_packing *p, const struct glint_mesh *m, char s
 
 bool glint_pack_image(struct glint_packing *p, const struct glint_image *image, char sha256[65])
 {
-    const size_t size = (size_t)image->width * image->height *
-                        (image->format == GLINT_IMAGE_RGBA8 ? 4 : 8);
+    const size_t size =
+        (size_t)image->width * image->height * (image->format == GLINT_IMAGE_RGBA8 ? 4 : 8);
     uint8_t *bytes = malloc(size);
     if (!bytes)
         return false;

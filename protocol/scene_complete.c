@@ -31,7 +31,8 @@ static void mesh_box(const struct glint_mesh *m, float low[3], float high[3])
         }
 }
 
-static void include_corners(struct box *b, const float low[3], const float high[3], const float m[16])
+static void include_corners(struct box *b, const float low[3], const float high[3],
+                            const float m[16])
 {
     for (int corner = 0; corner < 8; corner++) {
         double world[3];

@@ -65,7 +65,9 @@ const struct glint_field glint_instance_fields[] = {
 };
 
 const struct glint_field glint_light_fields[] = {
-    {.name = "type", .kind = GLINT_FIELD_CHOICE, .offset = offsetof(struct glint_light, kind),
+    {.name = "type",
+     .kind = GLINT_FIELD_CHOICE,
+     .offset = offsetof(struct glint_light, kind),
      .choices = light_types},
     GLINT_FIELD(STRING, struct glint_light, name),
     GLINT_FIELD(FLOAT, struct glint_light, color, .count = 3, .high = BRIGHT),

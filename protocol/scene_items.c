@@ -60,9 +60,15 @@ void glint_material_read(struct glint_scene_reader *r, const struct glint_json *
                          struct glint_material *out)
 {
     char *id = out->id;
-    *out = (struct glint_material){
-        .id = id, .name = id, .base_color = {1, 1, 1}, .opacity = 1, .alpha_cutoff = 0.5f,
-        .roughness = 1, .ior = 1.5f, .double_sided = true, .normal_scale = 1};
+    *out = (struct glint_material){.id = id,
+                                   .name = id,
+                                   .base_color = {1, 1, 1},
+                                   .opacity = 1,
+                                   .alpha_cutoff = 0.5f,
+                                   .roughness = 1,
+                                   .ior = 1.5f,
+                                   .double_sided = true,
+                                   .normal_scale = 1};
     glint_fields_read(at, glint_material_fields, &r->scene->arena, out);
     for (size_t i = 0; i < 4; i++) {
         const struct glint_json texture = glint_json_member(at, glint_texture_slots[i].name);
@@ -79,8 +85,12 @@ void glint_light_read(struct glint_scene_reader *r, const struct glint_json *at,
     const struct glint_json transform = glint_json_member(at, "transform");
     const struct glint_json inner = glint_json_member(at, "inner_cone");
     char *id = out->id;
-    *out = (struct glint_light){.id = id, .name = id, .color = {1, 1, 1}, .intensity = 1,
-                                .outer_cone = 0.785398163f, .size = {1, 1}};
+    *out = (struct glint_light){.id = id,
+                                .name = id,
+                                .color = {1, 1, 1},
+                                .intensity = 1,
+                                .outer_cone = 0.785398163f,
+                                .size = {1, 1}};
     memcpy(out->transform, glint_identity, sizeof out->transform);
     bool fine = glint_fields_read(at, glint_light_fields, &r->scene->arena, out);
     fine &= glint_json_require(&type);

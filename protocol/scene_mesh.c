@@ -9,7 +9,8 @@
 const char *const glint_mesh_attribute_names[4] = {"normal", "uv", "tangent", NULL};
 const char *const glint_primitive_names[5] = {"sphere", "quad", "box", "disk", NULL};
 
-struct glint_mesh_layout glint_mesh_layout(uint32_t vertices, uint32_t triangles, unsigned attributes)
+struct glint_mesh_layout glint_mesh_layout(uint32_t vertices, uint32_t triangles,
+                                           unsigned attributes)
 {
     struct glint_mesh_layout at = {.normal = 12ull * vertices};
     at.uv = at.normal + (attributes & GLINT_MESH_NORMAL ? 12ull * vertices : 0);
@@ -69,8 +70,8 @@ static bool read_asset(struct glint_scene_reader *r, const struct glint_json *at
 
 // ---- inline
 
-static bool read_floats(struct glint_scene_reader *r, const struct glint_json *mesh, const char *key,
-                        size_t count, const float **out)
+static bool read_floats(struct glint_scene_reader *r, const struct glint_json *mesh,
+                        const char *key, size_t count, const float **out)
 {
     const struct glint_json at = glint_json_member(mesh, key);
     if (!at.value)
@@ -126,8 +127,8 @@ static bool read_indices(struct glint_scene_reader *r, const struct glint_json *
 static bool read_inline(struct glint_scene_reader *r, const struct glint_json *at,
                         struct glint_mesh *m)
 {
-    static const char *const known[] = {"positions", "indices", "normals", "uvs", "tangents",
-                                        "primitive", "asset", NULL};
+    static const char *const known[] = {"positions", "indices",   "normals", "uvs",
+                                        "tangents",  "primitive", "asset",   NULL};
     const struct glint_json positions = glint_json_member(at, "positions");
     bool fine = glint_json_only(at, known);
     m->vertices = triples(&positions);

@@ -26,7 +26,8 @@ static int by_hash(const void *a, const void *b)
                   (*(const struct glint_asset *const *)b)->sha256);
 }
 
-static bool sort_assets(struct glint_scene_reader *r, const struct glint_asset *asset, size_t assets)
+static bool sort_assets(struct glint_scene_reader *r, const struct glint_asset *asset,
+                        size_t assets)
 {
     r->asset = glint_arena_array(&r->scratch, assets, sizeof *r->asset);
     if (!r->asset)
@@ -228,9 +229,13 @@ static void read_instance(struct glint_scene_reader *r, const struct glint_json 
 
 static bool index_ids(struct glint_scene_reader *r, const struct glint_json *root)
 {
-    const struct { const char *name; struct glint_ids *ids; } all[] = {
-        {"images", &r->images}, {"materials", &r->materials}, {"meshes", &r->meshes},
-        {"objects", &r->objects}};
+    const struct {
+        const char *name;
+        struct glint_ids *ids;
+    } all[] = {{"images", &r->images},
+               {"materials", &r->materials},
+               {"meshes", &r->meshes},
+               {"objects", &r->objects}};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         const struct glint_json at = glint_json_member(root, all[i].name);
         const cJSON *collection = cJSON_IsObject(at.value) ? at.value : NULL;
@@ -252,8 +257,9 @@ static uint32_t members(const struct glint_json *root, const char *name)
 
 static void read_all(struct glint_scene_reader *r, const struct glint_json *root)
 {
-    static const char *const known[] = {"images", "materials", "meshes", "objects", "instances",
-                                        "lights", "cameras", "environment", NULL};
+    static const char *const known[] = {"images",  "materials",   "meshes",
+                                        "objects", "instances",   "lights",
+                                        "cameras", "environment", NULL};
     struct glint_scene *s = r->scene;
     const struct glint_json environment = glint_json_member(root, "environment");
     glint_json_only(root, known);

@@ -7,9 +7,9 @@
 #include "scene.h"
 
 // Plain members, one table for reading and writing each (scene_fields.c).
-extern const struct glint_field glint_material_fields[], glint_texture_fields[], glint_image_fields[],
-    glint_object_fields[], glint_instance_fields[], glint_light_fields[], glint_camera_fields[],
-    glint_environment_fields[];
+extern const struct glint_field glint_material_fields[], glint_texture_fields[],
+    glint_image_fields[], glint_object_fields[], glint_instance_fields[], glint_light_fields[],
+    glint_camera_fields[], glint_environment_fields[];
 
 // The four textures of a material: member and place.
 struct glint_texture_slot {
@@ -26,7 +26,10 @@ void glint_camera_write(struct glint_text *t, const struct glint_camera *camera)
 
 // The ids of one collection, sorted.
 struct glint_ids {
-    struct glint_id { const char *id; uint32_t index; } *entry;
+    struct glint_id {
+        const char *id;
+        uint32_t index;
+    } * entry;
     uint32_t count;
 };
 bool glint_ids_index(struct glint_ids *out, const cJSON *collection, struct glint_arena *arena);
@@ -37,12 +40,12 @@ uint32_t glint_ids_find(const struct glint_ids *ids, const char *id); // GLINT_N
 struct glint_scene_reader {
     struct glint_scene *scene;
     struct glint_error *err;
-    struct glint_arena scratch;         // ids and sorted assets, gone after the parse
-    const struct glint_asset **asset;   // sorted by hash
+    struct glint_arena scratch;       // ids and sorted assets, gone after the parse
+    const struct glint_asset **asset; // sorted by hash
     size_t assets;
     struct glint_ids images, materials, meshes, objects;
-    float *reach;                       // largest |coordinate| of each mesh
-    uint64_t primitive_vertices;        // made so far
+    float *reach;                // largest |coordinate| of each mesh
+    uint64_t primitive_vertices; // made so far
 };
 
 // Appends GLINT_E_NOMEM; false.
@@ -58,12 +61,14 @@ const void *glint_scene_asset(struct glint_scene_reader *r, const struct glint_j
                               uint64_t bytes, char *hash);
 
 // Each reads one item; faults go to the reader's error.
-void glint_image_read(struct glint_scene_reader *r, const struct glint_json *at, struct glint_image *out);
+void glint_image_read(struct glint_scene_reader *r, const struct glint_json *at,
+                      struct glint_image *out);
 void glint_material_read(struct glint_scene_reader *r, const struct glint_json *at,
                          struct glint_material *out);
 void glint_mesh_read(struct glint_scene_reader *r, const struct glint_json *at,
                      struct glint_mesh *out, float *reach);
-void glint_light_read(struct glint_scene_reader *r, const struct glint_json *at, struct glint_light *out);
+void glint_light_read(struct glint_scene_reader *r, const struct glint_json *at,
+                      struct glint_light *out);
 void glint_environment_read(struct glint_scene_reader *r, const struct glint_json *at,
                             struct glint_environment *out);
 
@@ -91,7 +96,8 @@ extern const char *const glint_mesh_attribute_names[4]; // in the order of the b
 struct glint_mesh_layout {
     uint64_t normal, uv, tangent, index, bytes;
 };
-struct glint_mesh_layout glint_mesh_layout(uint32_t vertices, uint32_t triangles, unsigned attributes);
+struct glint_mesh_layout glint_mesh_layout(uint32_t vertices, uint32_t triangles,
+                                           unsigned attributes);
 
 // Checks positions, indices, normals, uvs and tangents of a mesh whose arrays are in place; makes
 // normals unit (in a copy). *reach: largest |coordinate|.

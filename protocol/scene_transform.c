@@ -83,8 +83,8 @@ static bool read_parts(const struct glint_json *at, float m[16])
     fine &= glint_json_floats(&scale, 3, -far, far, s);
     if (!fine)
         return false;
-    const double length = sqrt((double)r[0] * r[0] + (double)r[1] * r[1] + (double)r[2] * r[2] +
-                               (double)r[3] * r[3]);
+    const double length =
+        sqrt((double)r[0] * r[0] + (double)r[1] * r[1] + (double)r[2] * r[2] + (double)r[3] * r[3]);
     if (length < 1e-6)
         return glint_json_fault(&rotation, "the quaternion is zero");
     compose(m, t, (const double[4]){r[0] / length, r[1] / length, r[2] / length, r[3] / length}, s);

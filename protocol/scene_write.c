@@ -145,10 +145,12 @@ static void write_all(struct writer *w)
     const struct glint_scene *s = w->scene;
     glint_text_add(&w->text, "{");
     write_collection(w, "images", s->images, s->image, sizeof *s->image, write_image);
-    write_collection(w, "materials", s->materials, s->material, sizeof *s->material, write_material);
+    write_collection(w, "materials", s->materials, s->material, sizeof *s->material,
+                     write_material);
     write_collection(w, "meshes", s->meshes, s->mesh, sizeof *s->mesh, write_mesh);
     write_collection(w, "objects", s->objects, s->object, sizeof *s->object, write_object);
-    write_collection(w, "instances", s->instances, s->instance, sizeof *s->instance, write_instance);
+    write_collection(w, "instances", s->instances, s->instance, sizeof *s->instance,
+                     write_instance);
     write_collection(w, "lights", s->lights, s->light, sizeof *s->light, write_light);
     write_collection(w, "cameras", s->cameras, s->camera, sizeof *s->camera, write_camera);
     if (s->has_environment)

@@ -112,8 +112,8 @@ GK_INLINE void probe_bsdf(gk_u32 i, GK_GLOBAL gk_u32 *out)
     s.thin = (gk_i32)(i >> 1 & 1u);
     gk_surface_prepare(&s, wo.z);
     const struct gk_bsdf_value value = gk_bsdf_eval(&s, wo, probe_direction(i, 9));
-    const struct gk_bsdf_sample sample = gk_bsdf_sample(
-        &s, wo, probe_uniform(i, 11), probe_uniform(i, 12), probe_uniform(i, 13));
+    const struct gk_bsdf_sample sample =
+        gk_bsdf_sample(&s, wo, probe_uniform(i, 11), probe_uniform(i, 12), probe_uniform(i, 13));
     PROBE_PUT_F32(0, value.f.x);
     PROBE_PUT_F32(1, value.f.y);
     PROBE_PUT_F32(2, value.f.z);
@@ -134,17 +134,17 @@ GK_INLINE void probe_matte(gk_u32 i, GK_GLOBAL gk_u64 *table, GK_GLOBAL gk_u64 *
 {
     for (gk_u32 k = 0; k < 1000; k++) {
         const gk_u32 bits = gk_mix32(i * 1000u + k);
-        lost[i] += gk_matte_deposit(table + i * PROBE_SLOTS, PROBE_SLOTS, 1u + (bits >> 8) % 20u,
-                                    bits & 1u, gk_matte_units(probe_uniform(i, k)),
-                                    GK_MATTE_DIRECT_FIRST);
+        lost[i] +=
+            gk_matte_deposit(table + i * PROBE_SLOTS, PROBE_SLOTS, 1u + (bits >> 8) % 20u,
+                             bits & 1u, gk_matte_units(probe_uniform(i, k)), GK_MATTE_DIRECT_FIRST);
     }
 }
 
 #ifdef GK_DEVICE
-#define PROBE_KERNEL(name)                                                                         \
-    __kernel void name(GK_GLOBAL gk_u32 *restrict out)                                             \
-    {                                                                                              \
-        probe_##name((gk_u32)get_global_id(0), out);                                               \
+#define PROBE_KERNEL(name)                             \
+    __kernel void name(GK_GLOBAL gk_u32 *restrict out) \
+    {                                                  \
+        probe_##name((gk_u32)get_global_id(0), out);   \
     }
 PROBE_KERNEL(math)
 PROBE_KERNEL(limits)

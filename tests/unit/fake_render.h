@@ -38,7 +38,7 @@ void fake_begun(size_t count, uint32_t *seed);
 size_t fake_begun_now(void);
 uint32_t fake_creates(void); // calls so far
 void fake_wait_creates(uint32_t count);
-int fake_renders(void);      // that live
+int fake_renders(void); // that live
 
 // Rules broken so far; 0 in every test.
 int fake_broken(void);

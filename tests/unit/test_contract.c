@@ -50,7 +50,8 @@ static char *operation(const struct glint_route *row)
     const char *hole = strstr(row->pattern, "{}");
     const char *name = strncmp(row->pattern, "/v1/scenes", 10) ? "{id}" : "{scene}";
     if (hole)
-        snprintf(path, sizeof path, "%.*s%s%s", (int)(hole - row->pattern), row->pattern, name, hole + 2);
+        snprintf(path, sizeof path, "%.*s%s%s", (int)(hole - row->pattern), row->pattern, name,
+                 hole + 2);
     else
         snprintf(path, sizeof path, "%s", row->pattern);
     for (size_t i = 0; i <= strlen(row->method); i++)
@@ -123,7 +124,8 @@ static void every_query_parameter_is_described_and_no_other(void **state)
             described += count(found, ref);
         }
         if (described != known)
-            fail_msg("%s %s: %d parameters, %d described", row->method, row->pattern, known, described);
+            fail_msg("%s %s: %d parameters, %d described", row->method, row->pattern, known,
+                     described);
         free(found);
     }
 }

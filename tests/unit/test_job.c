@@ -5,8 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <cmocka.h>
 #include <cjson/cJSON.h>
+#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -92,23 +92,27 @@ static void three_faults_are_one_error_that_names_all_three(void **state)
 static void unknown_members_are_faults_that_say_what_exists(void **state)
 {
     (void)state;
-    refuse("{'scene':'a','surfels':{'count':1},'poisson':{},'layers':{},'split':{},'shutter':[0,0.5],'smaples':1}",
+    refuse("{'scene':'a','surfels':{'count':1},'poisson':{},'layers':{},'split':{},'shutter':[0,0."
+           "5],'smaples':1}",
            "/surfels=max_bounces|/poisson|/layers|/split|/shutter|/smaples");
-    refuse("{'scene':'a','accuracy':{'through':'none','speed':1},'mattes':{'gi':'path','alpha':0.1,'classes':false},"
+    refuse("{'scene':'a','accuracy':{'through':'none','speed':1},'mattes':{'gi':'path','alpha':0.1,"
+           "'classes':false},"
            "'filter':{'radius':1},'stop':{'sample':1},'camera':{'yfov':1,'fov':1}}",
-           "/accuracy/through=traversal|/accuracy/speed|/mattes/gi|/mattes/alpha=eviction|/mattes/classes|"
+           "/accuracy/through=traversal|/accuracy/speed|/mattes/gi|/mattes/alpha=eviction|/mattes/"
+           "classes|"
            "/filter/radius=kind, width|/stop/sample|/camera/fov");
 }
 
 static void settings_of_methods_that_do_not_exist_are_faults(void **state)
 {
     (void)state;
-    refuse("{'scene':'a','live':true,'outputs':['beauty','motion','gi'],"
-           "'accuracy':{'preset':'preview','gi':'surfel','transparency':'layered','primary':'split'},"
-           "'mattes':{'through':'glossy','eviction':'uss'}}",
-           "/live|/outputs/1=crypto_asset|/outputs/2|/accuracy/preset=production, reference|"
-           "/accuracy/gi=path, none|/accuracy/transparency=traced|/accuracy/primary=full|"
-           "/mattes/through=none|/mattes/eviction=drop, direct_first");
+    refuse(
+        "{'scene':'a','live':true,'outputs':['beauty','motion','gi'],"
+        "'accuracy':{'preset':'preview','gi':'surfel','transparency':'layered','primary':'split'},"
+        "'mattes':{'through':'glossy','eviction':'uss'}}",
+        "/live|/outputs/1=crypto_asset|/outputs/2|/accuracy/preset=production, reference|"
+        "/accuracy/gi=path, none|/accuracy/transparency=traced|/accuracy/primary=full|"
+        "/mattes/through=none|/mattes/eviction=drop, direct_first");
     struct glint_job *j = parse("{'scene':'a','live':false}");
     glint_job_destroy(&j);
 }
@@ -116,10 +120,12 @@ static void settings_of_methods_that_do_not_exist_are_faults(void **state)
 static void a_preset_sets_the_dials_and_explicit_ones_override_it(void **state)
 {
     (void)state;
-    struct glint_job *j = parse("{'scene':'a','accuracy':{'gi':'none','lights':'uniform','preset':'reference'},"
-                                "'mattes':{'eviction':'direct_first'}}");
+    struct glint_job *j =
+        parse("{'scene':'a','accuracy':{'gi':'none','lights':'uniform','preset':'reference'},"
+              "'mattes':{'eviction':'direct_first'}}");
     for (int d = 0; d < GLINT_DIAL_COUNT; d++)
-        assert_int_equal(j->dial[d], d == GLINT_DIAL_GI || d == GLINT_DIAL_LIGHTS || d == GLINT_DIAL_EVICTION);
+        assert_int_equal(j->dial[d],
+                         d == GLINT_DIAL_GI || d == GLINT_DIAL_LIGHTS || d == GLINT_DIAL_EVICTION);
     glint_job_destroy(&j);
 }
 
@@ -242,10 +248,13 @@ static void parsing_what_was_written_gives_an_equal_job(void **state)
 {
     (void)state;
     static const char named_camera[] =
-        "{'scene':'s-1.2_3','name':'shot \\u00e4 \\n','camera':'Cam','resolution':[33,7],'region':[1,2,3,4],"
+        "{'scene':'s-1.2_3','name':'shot \\u00e4 "
+        "\\n','camera':'Cam','resolution':[33,7],'region':[1,2,3,4],"
         "'frame':1001,'outputs':['variance','depth'],'accuracy':{'preset':'reference','gi':'none'},"
-        "'mattes':{'eviction':'direct_first','slots':32,'levels':16},'filter':{'kind':'box','width':0.7},"
-        "'max_bounces':0,'seed':4294967295,'stop':{'samples':3,'seconds':0.1,'error':1e-3},'priority':-100}";
+        "'mattes':{'eviction':'direct_first','slots':32,'levels':16},'filter':{'kind':'box','width'"
+        ":0.7},"
+        "'max_bounces':0,'seed':4294967295,'stop':{'samples':3,'seconds':0.1,'error':1e-3},'"
+        "priority':-100}";
     static const char own_camera[] =
         "{'scene':'a','camera':{'name':'c','yfov':0.7,'lens_radius':0.1,'focus_distance':3,"
         "'transform':{'rotation':[0.1,0.2,0.3,0.9],'translation':[0.1,0.2,0.3]}}}";
@@ -273,12 +282,14 @@ static void defaults_that_are_spelled_out_give_an_equal_job(void **state)
     (void)state;
     struct glint_job *a = parse("{'scene':'a'}");
     char *text = glint_job_write(a);
-    assert_string_equal(text,
+    assert_string_equal(
+        text,
         "{\"scene\":\"a\",\"name\":\"\",\"frame\":0,\"max_bounces\":8,\"seed\":0,\"priority\":0,"
         "\"resolution\":[1280,720],\"region\":[0,0,1280,720],"
         "\"outputs\":[\"beauty\",\"crypto_object\",\"crypto_material\",\"crypto_asset\"],"
         "\"accuracy\":{\"gi\":\"path\",\"transparency\":\"traced\",\"primary\":\"full\","
-        "\"precision\":\"float32\",\"traversal\":\"fast\",\"roulette\":\"throughput\",\"lights\":\"power\"},"
+        "\"precision\":\"float32\",\"traversal\":\"fast\",\"roulette\":\"throughput\",\"lights\":"
+        "\"power\"},"
         "\"mattes\":{\"slots\":12,\"levels\":6,\"through\":\"none\",\"eviction\":\"drop\"},"
         "\"filter\":{\"kind\":\"blackman_harris\",\"width\":1.5},\"stop\":{\"samples\":256}}");
     free(text);

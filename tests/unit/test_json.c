@@ -24,10 +24,43 @@ static void what_is_not_json_is_refused_with_line_and_column(void **state)
 {
     (void)state;
     static const char *const bad[] = {
-        "", " ", "{", "[1,]", "{\"a\":1,}", "{a:1}", "01", "1.", ".5", "+1", "-", "1e", "1e+", "NaN",
-        "Infinity", "[1] x", "[1]\x01", "\"\\x\"", "\"\\u12g4\"", "\"\\u0000\"", "\"\\ud800\"",
-        "\"\\udc00\\ud800\"", "\"\t\"", "\"\xff\"", "\"\xc0\x80\"", "\"\xed\xa0\x80\"", "\xef\xbb\xbf{}",
-        "tru", "nulll", "'a'", "[1 2]", "{\"a\" 1}", "{1:2}", "\"abc", "\"abc\\", "0x10", "[1}",
+        "",
+        " ",
+        "{",
+        "[1,]",
+        "{\"a\":1,}",
+        "{a:1}",
+        "01",
+        "1.",
+        ".5",
+        "+1",
+        "-",
+        "1e",
+        "1e+",
+        "NaN",
+        "Infinity",
+        "[1] x",
+        "[1]\x01",
+        "\"\\x\"",
+        "\"\\u12g4\"",
+        "\"\\u0000\"",
+        "\"\\ud800\"",
+        "\"\\udc00\\ud800\"",
+        "\"\t\"",
+        "\"\xff\"",
+        "\"\xc0\x80\"",
+        "\"\xed\xa0\x80\"",
+        "\xef\xbb\xbf{}",
+        "tru",
+        "nulll",
+        "'a'",
+        "[1 2]",
+        "{\"a\" 1}",
+        "{1:2}",
+        "\"abc",
+        "\"abc\\",
+        "0x10",
+        "[1}",
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         if (check(bad[i]) != GLINT_E_SYNTAX)
@@ -43,8 +76,18 @@ static void what_is_json_is_accepted(void **state)
 {
     (void)state;
     static const char *const good[] = {
-        "0", "-0", "-0.5e-3", "1E+2", "\"\"", "\"\\u00e4\\ud83d\\ude00\\n\"", " [ ] ", "{}", "null",
-        "[[[]],{\"a\":{}}]", "\"\x7f\xf4\x8f\xbf\xbf\"", "\t{\r\n\"a\" : true }\n",
+        "0",
+        "-0",
+        "-0.5e-3",
+        "1E+2",
+        "\"\"",
+        "\"\\u00e4\\ud83d\\ude00\\n\"",
+        " [ ] ",
+        "{}",
+        "null",
+        "[[[]],{\"a\":{}}]",
+        "\"\x7f\xf4\x8f\xbf\xbf\"",
+        "\t{\r\n\"a\" : true }\n",
     };
     for (size_t i = 0; i < sizeof good / sizeof *good; i++)
         if (check(good[i]) != GLINT_OK)
@@ -98,12 +141,14 @@ static void a_key_that_appears_twice_is_a_fault_at_its_pointer(void **state)
     assert_string_equal(err.fault[0].pointer, "/a/0/x~1y");
     assert_string_equal(err.fault[1].pointer, "/a");
     glint_error_finish(&err);
-    const char *many = "{\"a\":1,\"b\":1,\"c\":1,\"d\":1,\"e\":1,\"f\":1,\"g\":1,\"h\":1,\"i\":1,\"c\":1}";
+    const char *many =
+        "{\"a\":1,\"b\":1,\"c\":1,\"d\":1,\"e\":1,\"f\":1,\"g\":1,\"h\":1,\"i\":1,\"c\":1}";
     assert_int_equal(glint_json_parse(&tree, many, strlen(many), &roomy, &err), GLINT_E_RANGE);
     assert_string_equal(err.fault[0].pointer, "/c");
     glint_error_finish(&err);
     const char *escaped = "{\"a\":1,\"\\u0061\":2}";
-    assert_int_equal(glint_json_parse(&tree, escaped, strlen(escaped), &roomy, NULL), GLINT_E_RANGE);
+    assert_int_equal(glint_json_parse(&tree, escaped, strlen(escaped), &roomy, NULL),
+                     GLINT_E_RANGE);
 }
 
 struct reading {
@@ -137,7 +182,8 @@ static void every_bad_value_is_named_with_its_pointer(void **state)
 {
     (void)state;
     struct reading r;
-    start(&r, "{\"f\":2,\"u\":1.5,\"b\":0,\"v\":[1,\"x\",9],\"c\":\"no\",\"big\":1e999,\"s\":null,\"~\":1}");
+    start(&r, "{\"f\":2,\"u\":1.5,\"b\":0,\"v\":[1,\"x\",9],\"c\":\"no\",\"big\":1e999,\"s\":null,"
+              "\"~\":1}");
     float f = 7, v[3] = {0};
     uint32_t u = 7;
     bool b = true;
@@ -160,7 +206,8 @@ static void every_bad_value_is_named_with_its_pointer(void **state)
     assert_false(glint_json_double(&at, 0, DBL_MAX, &d));
     at = glint_json_member(root, "s");
     assert_false(glint_json_string(&at, &arena, &s));
-    assert_false(glint_json_only(root, (const char *const[]){"f", "u", "b", "v", "c", "big", "s", NULL}));
+    assert_false(
+        glint_json_only(root, (const char *const[]){"f", "u", "b", "v", "c", "big", "s", NULL}));
     assert_int_equal(r.err.count, 9);
     expect(&r, 0, "/f", "2 is outside of 0 to 1");
     expect(&r, 1, "/u", "integer");
@@ -181,7 +228,8 @@ static void an_absent_value_leaves_the_default(void **state)
     (void)state;
     struct reading r;
     start(&r, "{\"a\":1}");
-    const struct glint_json at = glint_json_member(&r.root, "b"), under = glint_json_member(&at, "c");
+    const struct glint_json at = glint_json_member(&r.root, "b"),
+                            under = glint_json_member(&at, "c");
     float f = 7, v[3] = {7, 7, 7};
     assert_true(glint_json_float(&at, 0, 1, &f) && glint_json_floats(&under, 3, 0, 1, v));
     assert_true(f == 7 && v[2] == 7);
@@ -212,9 +260,18 @@ static void integers_hold_to_their_bounds(void **state)
 static void written_floats_read_back_and_are_short(void **state)
 {
     (void)state;
-    static const struct { float value; const char *text; } cases[] = {
-        {0.1f, "0.1"}, {1, "1"}, {-0.0f, "-0"}, {16777216, "16777216"}, {1e10f, "1e+10"},
-        {0.333333343f, "0.33333334"}, {3.14159274f, "3.1415927"}, {FLT_MAX, "3.4028235e+38"},
+    static const struct {
+        float value;
+        const char *text;
+    } cases[] = {
+        {0.1f, "0.1"},
+        {1, "1"},
+        {-0.0f, "-0"},
+        {16777216, "16777216"},
+        {1e10f, "1e+10"},
+        {0.333333343f, "0.33333334"},
+        {3.14159274f, "3.1415927"},
+        {FLT_MAX, "3.4028235e+38"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct glint_text t = {0};

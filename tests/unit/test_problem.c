@@ -23,7 +23,8 @@ static void every_fault_is_listed_and_the_detail_names_the_first(void **state)
     cJSON *p = glint_problem_object(&err, "/v1/jobs", "r1");
     assert_string_equal(text_of(p, "type"), "/problems/unprocessable");
     assert_string_equal(text_of(p, "title"), "Unprocessable content");
-    assert_string_equal(text_of(p, "detail"), "2 faults; the first, at \"/camera/yfov\": 4 is outside");
+    assert_string_equal(text_of(p, "detail"),
+                        "2 faults; the first, at \"/camera/yfov\": 4 is outside");
     assert_string_equal(text_of(p, "instance"), "/v1/jobs");
     assert_string_equal(text_of(p, "request_id"), "r1");
     assert_int_equal(cJSON_GetObjectItem(p, "status")->valueint, 422);
@@ -41,9 +42,10 @@ static void one_fault_is_the_detail_and_absent_members_are_left_out(void **state
     struct glint_error err = {0};
     glint_fail(&err, GLINT_E_SYNTAX, "", "line 1: \"no\"\xff");
     char *text = glint_problem_text(&err, NULL, NULL);
-    assert_string_equal(text, "{\"type\":\"/problems/malformed\",\"title\":\"Malformed request\",\"status\":400,"
-                              "\"detail\":\"line 1: \\\"no\\\"?\",\"errors\":[{\"pointer\":\"\","
-                              "\"detail\":\"line 1: \\\"no\\\"?\"}]}");
+    assert_string_equal(
+        text, "{\"type\":\"/problems/malformed\",\"title\":\"Malformed request\",\"status\":400,"
+              "\"detail\":\"line 1: \\\"no\\\"?\",\"errors\":[{\"pointer\":\"\","
+              "\"detail\":\"line 1: \\\"no\\\"?\"}]}");
     free(text);
     glint_error_finish(&err);
 }

@@ -133,8 +133,7 @@ static void a_thread_bears_its_name_cut_to_fifteen_bytes(void **state)
     (void)state;
     glint_queue *queue = make(1);
     pthread_t thread;
-    assert_int_equal(glint_thread_start(&thread, "a name much too long", own_name, queue,
-                                        NULL), 0);
+    assert_int_equal(glint_thread_start(&thread, "a name much too long", own_name, queue, NULL), 0);
     const int go = 1;
     glint_queue_push(queue, &go);
     void *name;

@@ -75,17 +75,21 @@ static void refuse(const char *quoted, const char *pointers)
 static void an_item_gets_what_is_said_and_defaults_for_the_rest(void **state)
 {
     (void)state;
-    struct glint_scene *s = parse(
-        "{'materials':{'red':{'base_color':[1,0,0.5],'roughness':0.25,'alpha_mode':'mask','thin':true},"
-        "'b':{'name':'B'}},'meshes':{'t':{'positions':[0,0,0, 1,0,0, 0,1,0, 0,0,1],'indices':[0,1,2, 0,2,3]}},"
-        "'objects':{'o':{'name':'Obj','asset':'A'}},"
-        "'instances':{'i':{'mesh':'t','material':'b','object':'o','visible':false},'j':{'mesh':'t','material':'red'},"
-        "'o':{'mesh':'t','material':'red'}},"
-        "'lights':{'l':{'type':'area','size':[2,3]}},'cameras':{'c':{'yfov':1,'lens_radius':0.1,'focus_distance':4}},"
-        "'environment':{'radiance':[1,2,3],'rotation':0.5}}");
+    struct glint_scene *s = parse("{'materials':{'red':{'base_color':[1,0,0.5],'roughness':0.25,'"
+                                  "alpha_mode':'mask','thin':true},"
+                                  "'b':{'name':'B'}},'meshes':{'t':{'positions':[0,0,0, 1,0,0, "
+                                  "0,1,0, 0,0,1],'indices':[0,1,2, 0,2,3]}},"
+                                  "'objects':{'o':{'name':'Obj','asset':'A'}},"
+                                  "'instances':{'i':{'mesh':'t','material':'b','object':'o','"
+                                  "visible':false},'j':{'mesh':'t','material':'red'},"
+                                  "'o':{'mesh':'t','material':'red'}},"
+                                  "'lights':{'l':{'type':'area','size':[2,3]}},'cameras':{'c':{'"
+                                  "yfov':1,'lens_radius':0.1,'focus_distance':4}},"
+                                  "'environment':{'radiance':[1,2,3],'rotation':0.5}}");
     assert_true(s->materials == 2 && s->objects == 2 && s->instances == 3 && s->warnings == 0);
     assert_string_equal(s->material[0].name, "red");
-    assert_true(s->material[0].base_color[2] == 0.5f && s->material[0].alpha_mode == GLINT_ALPHA_MASK);
+    assert_true(s->material[0].base_color[2] == 0.5f &&
+                s->material[0].alpha_mode == GLINT_ALPHA_MASK);
     assert_true(s->material[0].thin && s->material[0].double_sided && s->material[0].ior == 1.5f);
     assert_int_equal(s->material[0].normal_texture.image, GLINT_NONE);
     assert_string_equal(s->material[1].name, "B");
@@ -110,17 +114,20 @@ static void every_fault_is_named(void **state)
     (void)state;
     refuse("{'materials':{'m':{'metallic':2,'colour':1,'emission':[-1,0,0]}},'lamps':{},"
            "'instances':{'i':{'mesh':'t','material':'m'}}}",
-           "/materials/m/metallic|/materials/m/colour|/materials/m/emission/0|/lamps|/instances/i/mesh");
+           "/materials/m/metallic|/materials/m/colour|/materials/m/emission/0|/lamps|/instances/i/"
+           "mesh");
     refuse("[]", "");
     refuse("{'materials':[],'meshes':{'':{'primitive':'quad'}}}", "/materials|/meshes/");
     refuse("{'materials':{'m':7}}", "/materials/m");
     refuse("{'materials':{'m':{'normal_map':{'image':'x'}},'n':{'normal_map':{}}}}",
            "/materials/m/normal_map/image|/materials/n/normal_map/image");
-    refuse("{'lights':{'a':{},'b':{'type':'spot','inner_cone':1,'outer_cone':0.5},'c':{'type':'lamp'}}}",
+    refuse("{'lights':{'a':{},'b':{'type':'spot','inner_cone':1,'outer_cone':0.5},'c':{'type':'"
+           "lamp'}}}",
            "/lights/a/type|/lights/b/inner_cone|/lights/c/type");
     refuse("{'cameras':{'a':{},'b':{'yfov':3.2},'c':{'yfov':0}}}",
            "/cameras/a/yfov|/cameras/b/yfov|/cameras/c/yfov");
-    refuse("{'environment':{'image':'x','radiance':[1,1]}}", "/environment/image|/environment/radiance");
+    refuse("{'environment':{'image':'x','radiance':[1,1]}}",
+           "/environment/image|/environment/radiance");
     refuse("{'images':{'i':{'data':'data:image/png;base64,AA'}}}", "/images/i/data");
     refuse("{" TRIANGLE ",'instances':{'i':{},'j':{'mesh':'t','material':3,'object':'nobody'}}}",
            "/instances/i/mesh|/instances/i/material|/instances/j/material|/instances/j/object");
@@ -129,7 +136,8 @@ static void every_fault_is_named(void **state)
 static void what_no_triangle_can_be_made_of_is_refused(void **state)
 {
     (void)state;
-    refuse("{'meshes':{'a':{},'b':{'positions':[]},'c':{'positions':[0,0]},'d':{'positions':[0,0,0]}}}",
+    refuse("{'meshes':{'a':{},'b':{'positions':[]},'c':{'positions':[0,0]},'d':{'positions':[0,0,0]"
+           "}}}",
            "/meshes/a/positions|/meshes/b/positions|/meshes/c/positions|/meshes/d/positions");
     refuse("{'meshes':{'a':{'positions':[0,0,0, 1,0,0, 0,1,0],'indices':[0,1,3]},"
            "'b':{'positions':[0,0,0, 1,0,0, 0,1,0],'indices':[]},"
@@ -140,7 +148,8 @@ static void what_no_triangle_can_be_made_of_is_refused(void **state)
     refuse("{'meshes':{'a':{'primitive':'cone'},'b':{'primitive':'sphere','segments':2},"
            "'c':{'primitive':'box','radius':1},'d':{'primitive':'quad','size':[1,0]}}}",
            "/meshes/a/primitive|/meshes/b/segments|/meshes/c/radius|/meshes/d/size/1");
-    refuse("{'meshes':{'a':{'positions':[0,0,0, 1,0,0, 0,1,0],'tangents':[1,0,0,1, 1,0,0,0, 1,0,0,1]}}}",
+    refuse("{'meshes':{'a':{'positions':[0,0,0, 1,0,0, 0,1,0],'tangents':[1,0,0,1, 1,0,0,0, "
+           "1,0,0,1]}}}",
            "/meshes/a");
 }
 
@@ -155,21 +164,24 @@ static void transforms_are_affine_and_have_an_inverse(void **state)
            "'e':{'mesh':'t','material':'m','transform':{'scale':[1,0,1]}},"
            "'f':{'mesh':'t','material':'m','transform':[1,0,0]},"
            "'g':{'mesh':'t','material':'m','transform':{'rotate':[0,0,0,1]}},"
-           "'h':{'mesh':'t','material':'m','transform':[0.1,0.2,0.3,0, 0.4,0.5,0.6,0, 0.7,0.8,0.9,0, 0,0,0,1]}}}",
+           "'h':{'mesh':'t','material':'m','transform':[0.1,0.2,0.3,0, 0.4,0.5,0.6,0, "
+           "0.7,0.8,0.9,0, 0,0,0,1]}}}",
            "/instances/a/transform|/instances/b/transform|/instances/c/transform|"
            "/instances/d/transform/rotation|/instances/e/transform|/instances/f/transform|"
            "/instances/g/transform/rotate|/instances/h/transform");
-    refuse("{" TRIANGLE ",'instances':{'a':{'mesh':'t','material':'m','transform':{'scale':[1e6,1,1],"
-           "'translation':[9.999999e11,0,0]}}}}", "/instances/a");
+    refuse("{" TRIANGLE
+           ",'instances':{'a':{'mesh':'t','material':'m','transform':{'scale':[1e6,1,1],"
+           "'translation':[9.999999e11,0,0]}}}}",
+           "/instances/a");
 }
 
 static void parts_compose_as_translation_rotation_scale(void **state)
 {
     (void)state;
     // Half a turn's root about z: x goes to y, y to -x; twice as long before, moved after.
-    struct glint_scene *s = parse(
-        "{" TRIANGLE ",'instances':{'i':{'mesh':'t','material':'m','transform':"
-        "{'translation':[5,6,7],'rotation':[0,0,3,3],'scale':[2,3,1e-5]}}}}");
+    struct glint_scene *s =
+        parse("{" TRIANGLE ",'instances':{'i':{'mesh':'t','material':'m','transform':"
+              "{'translation':[5,6,7],'rotation':[0,0,3,3],'scale':[2,3,1e-5]}}}}");
     const float want[16] = {0, 2, 0, 0, -3, 0, 0, 0, 0, 0, 1e-5f, 0, 5, 6, 7, 1};
     for (int k = 0; k < 16; k++)
         assert_true(fabsf(s->instance[0].transform[k] - want[k]) < 1e-6f);
@@ -179,8 +191,9 @@ static void parts_compose_as_translation_rotation_scale(void **state)
 static void cameras_are_made_rigid_and_keep_their_view(void **state)
 {
     (void)state;
-    struct glint_scene *s = parse("{'cameras':{'c':{'yfov':1,'transform':[2,0,0,0, 0,3,1,0, 0,0,4,0, 7,8,9,1]},"
-                                  "'d':{'yfov':1,'transform':[0,0,-1,0, 0,1,0,0, 1,0,0,0, 0,0,0,1]}}}");
+    struct glint_scene *s =
+        parse("{'cameras':{'c':{'yfov':1,'transform':[2,0,0,0, 0,3,1,0, 0,0,4,0, 7,8,9,1]},"
+              "'d':{'yfov':1,'transform':[0,0,-1,0, 0,1,0,0, 1,0,0,0, 0,0,0,1]}}}");
     const float want[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1};
     for (int k = 0; k < 16; k++)
         assert_true(fabsf(s->camera[0].transform[k] - want[k]) < 1e-6f);
@@ -193,9 +206,9 @@ static void cameras_are_made_rigid_and_keep_their_view(void **state)
 static void normals_are_made_unit_and_zero_ones_follow_the_face(void **state)
 {
     (void)state;
-    struct glint_scene *s = parse(
-        "{'meshes':{'t':{'positions':[0,0,0, 0,2,0, 0,0,2, 9,9,9],'indices':[0,1,2],"
-        "'normals':[3,0,4, 0,0,0, 0,1,0, 0,0,0]}},'cameras':{'c':{'yfov':1}}}");
+    struct glint_scene *s =
+        parse("{'meshes':{'t':{'positions':[0,0,0, 0,2,0, 0,0,2, 9,9,9],'indices':[0,1,2],"
+              "'normals':[3,0,4, 0,0,0, 0,1,0, 0,0,0]}},'cameras':{'c':{'yfov':1}}}");
     const float want[12] = {0.6f, 0, 0.8f, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     for (int k = 0; k < 12; k++)
         assert_true(fabsf(s->mesh[0].normal[k] - want[k]) < 1e-6f);
@@ -211,8 +224,8 @@ struct triangle_asset {
 
 static struct triangle_asset make_triangle(void)
 {
-    return (struct triangle_asset){{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 1, 0, 0, 1, 0, 0, 1},
-                                   {0, 0, 1, 0, 0, 1}, {0, 1, 2}};
+    return (struct triangle_asset){
+        {0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 1, 0, 0, 1, 0, 0, 1}, {0, 0, 1, 0, 0, 1}, {0, 1, 2}};
 }
 
 static struct glint_asset name(const void *bytes, size_t size)
@@ -226,7 +239,8 @@ static void hashes_are_sha256(void **state)
 {
     (void)state;
     const struct glint_asset abc = name("abc", 3);
-    assert_string_equal(abc.sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    assert_string_equal(abc.sha256,
+                        "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
 static char *mesh_text(const char *hash, const char *rest)
@@ -270,7 +284,8 @@ static void an_asset_must_be_there_and_have_the_size_that_the_counts_say(void **
     const struct triangle_asset t = make_triangle();
     const struct glint_asset asset = name(&t, sizeof t);
     static const char *const wrong[] = {
-        "'vertices':3,'triangles':1", "'vertices':2,'triangles':1,'attributes':['normal','uv']",
+        "'vertices':3,'triangles':1",
+        "'vertices':2,'triangles':1,'attributes':['normal','uv']",
         "'vertices':2147483647,'triangles':2147483647,'attributes':['normal','uv','tangent']",
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
@@ -314,8 +329,10 @@ static void half_images_are_finite_and_not_negative(void **state)
     for (int i = 0; i < 4; i++) {
         const struct glint_asset asset = name(all[i], 8);
         char *text = NULL;
-        assert_true(asprintf(&text, "{'images':{'i':{'asset':'%s','width':1,'height':1,'format':"
-                                    "'rgba16f'}},'environment':{'image':'i'}}", asset.sha256) > 0);
+        assert_true(asprintf(&text,
+                             "{'images':{'i':{'asset':'%s','width':1,'height':1,'format':"
+                             "'rgba16f'}},'environment':{'image':'i'}}",
+                             asset.sha256) > 0);
         if (i > 0) {
             refuse_with(text, &asset, 1, "/images/i/asset");
         } else {
@@ -332,8 +349,10 @@ static void half_images_are_finite_and_not_negative(void **state)
 static struct glint_scene *primitive(const char *members)
 {
     char *text = NULL;
-    assert_true(asprintf(&text, "{'meshes':{'p':{'primitive':%s}},'materials':{'m':{}},"
-                                "'instances':{'i':{'mesh':'p','material':'m'}}}", members) > 0);
+    assert_true(asprintf(&text,
+                         "{'meshes':{'p':{'primitive':%s}},'materials':{'m':{}},"
+                         "'instances':{'i':{'mesh':'p','material':'m'}}}",
+                         members) > 0);
     struct glint_scene *s = parse(text);
     free(text);
     return s;
@@ -350,7 +369,8 @@ static void face(const struct glint_mesh *m, uint32_t t, double n[3])
     const float *a = corner(m, t, 0), *b = corner(m, t, 1), *c = corner(m, t, 2);
     for (int k = 0; k < 3; k++) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
-        n[k] = ((double)b[i] - a[i]) * ((double)c[j] - a[j]) - ((double)b[j] - a[j]) * ((double)c[i] - a[i]);
+        n[k] = ((double)b[i] - a[i]) * ((double)c[j] - a[j]) -
+               ((double)b[j] - a[j]) * ((double)c[i] - a[i]);
     }
 }
 
@@ -382,7 +402,8 @@ static int edge_uses(const struct glint_mesh *m, const float *from, const float 
     int uses = 0;
     for (uint32_t t = 0; t < m->triangles; t++)
         for (int k = 0; k < 3; k++)
-            uses += memcmp(corner(m, t, k), from, 12) == 0 && memcmp(corner(m, t, (k + 1) % 3), to, 12) == 0;
+            uses += memcmp(corner(m, t, k), from, 12) == 0 &&
+                    memcmp(corner(m, t, (k + 1) % 3), to, 12) == 0;
     return uses;
 }
 
@@ -446,7 +467,8 @@ static void a_sphere_is_closed_and_tends_to_its_volume(void **state)
     assert_true(volume(&s->mesh[0]) < exact && volume(&s->mesh[0]) > 0.9998 * exact);
     for (uint32_t i = 0; i < s->mesh[0].vertices; i++)
         for (int k = 0; k < 3; k++)
-            assert_true(fabsf(s->mesh[0].position[3 * i + k] - 2 * s->mesh[0].normal[3 * i + k]) < 1e-6f);
+            assert_true(fabsf(s->mesh[0].position[3 * i + k] - 2 * s->mesh[0].normal[3 * i + k]) <
+                        1e-6f);
     glint_scene_destroy(&s);
 }
 
@@ -472,7 +494,8 @@ static void primitives_cannot_multiply_without_bound(void **state)
     struct glint_text t = {0};
     glint_text_add(&t, "{\"meshes\":{");
     for (int i = 0; i < 40; i++)
-        glint_text_print(&t, "%s\"m%d\":{\"primitive\":\"sphere\",\"segments\":1024}", i ? "," : "", i);
+        glint_text_print(&t, "%s\"m%d\":{\"primitive\":\"sphere\",\"segments\":1024}", i ? "," : "",
+                         i);
     glint_text_add(&t, "}}");
     char *text = glint_text_take(&t, NULL);
     struct glint_scene *s;
@@ -503,12 +526,14 @@ static void the_added_camera_sees_the_whole_box(void **state)
     struct glint_scene *s = parse(
         "{'meshes':{'b':{'primitive':'box','size':[4,1,2]}},'materials':{'m':{}},'instances':{"
         "'i':{'mesh':'b','material':'m','transform':{'translation':[10,20,30]}},"
-        "'hidden':{'mesh':'b','material':'m','visible':false,'transform':{'translation':[1000,0,0]}}}}");
+        "'hidden':{'mesh':'b','material':'m','visible':false,'transform':{'translation':[1000,0,0]}"
+        "}}}");
     const float *c = s->camera[0].transform;
     const double reach = tan(0.5 * s->camera[0].yfov);
     double nearest = 1;
     for (int i = 0; i < 8; i++) {
-        const double p[3] = {10 + (i & 1 ? 2 : -2), 20 + (i & 2 ? 0.5 : -0.5), 30 + (i & 4 ? 1 : -1)};
+        const double p[3] = {10 + (i & 1 ? 2 : -2), 20 + (i & 2 ? 0.5 : -0.5),
+                             30 + (i & 4 ? 1 : -1)};
         double view[3] = {0, 0, 0};
         for (int a = 0; a < 3; a++)
             for (int k = 0; k < 3; k++)
@@ -532,11 +557,16 @@ static void the_added_camera_sees_the_whole_box(void **state)
 static void an_environment_is_added_only_where_nothing_emits(void **state)
 {
     (void)state;
-    static const struct { const char *text; bool added; } cases[] = {
+    static const struct {
+        const char *text;
+        bool added;
+    } cases[] = {
         {"{'meshes':{'q':{'primitive':'quad'}},'materials':{'m':{'emission':[0,0,1]}},"
-         "'instances':{'i':{'mesh':'q','material':'m'}}}", false},
+         "'instances':{'i':{'mesh':'q','material':'m'}}}",
+         false},
         {"{'meshes':{'q':{'primitive':'quad'}},'materials':{'m':{'emission':[0,0,1]}},"
-         "'instances':{'i':{'mesh':'q','material':'m','visible':false}}}", true},
+         "'instances':{'i':{'mesh':'q','material':'m','visible':false}}}",
+         true},
         {"{'lights':{'l':{'type':'sun'}}}", false},
         {"{'meshes':{'q':{'primitive':'quad'}},'materials':{'m':{'emission':[0,0,1]}}}", true},
     };
@@ -558,13 +588,14 @@ static const char *const rich =
     "'q2':{'positions':[0,0,0, 1,0,0, 0,1,0],'normals':[0.1,0.2,5, 0,0,1, 0,0,1],"
     "'tangents':[1,0,0,-1, 1,0,0,1, 1,0,0,1]}},"
     "'objects':{'o':{'name':'two words','asset':'set/a'}},"
-    "'instances':{'i':{'mesh':'s','material':'plain','object':'o'},'j':{'mesh':'q2','material':'m~/\\u00e4',"
+    "'instances':{'i':{'mesh':'s','material':'plain','object':'o'},'j':{'mesh':'q2','material':'m~/"
+    "\\u00e4',"
     "'transform':{'translation':[0.1,0.2,0.3],'rotation':[0.1,0.7,0.2,0.5],'scale':[1,2,3]}}},"
     "'lights':{'l':{'type':'spot','inner_cone':0.3,'transform':{'translation':[0,1,0]}}},"
     "'cameras':{'c':{'yfov':0.7,'lens_radius':0.01,'focus_distance':2.5}},"
     "'environment':{'image':'env','rotation':1.1}}";
 
-#define SAME(A, B, FIELD) assert_memory_equal(&(A)->FIELD, &(B)->FIELD, sizeof (A)->FIELD)
+#define SAME(A, B, FIELD) assert_memory_equal(&(A)->FIELD, &(B)->FIELD, sizeof(A)->FIELD)
 
 static void assert_same_array(const void *a, const void *b, size_t bytes)
 {
@@ -597,7 +628,8 @@ static void assert_same_material(const struct glint_material *a, const struct gl
     SAME(a, b, emission);
     SAME(a, b, normal_scale);
     for (size_t i = 0; i < 4; i++)
-        assert_memory_equal(glint_texture_of(&x, i), glint_texture_of(&y, i), sizeof(struct glint_texture));
+        assert_memory_equal(glint_texture_of(&x, i), glint_texture_of(&y, i),
+                            sizeof(struct glint_texture));
 }
 
 static void assert_same_scene(const struct glint_scene *a, const struct glint_scene *b)
@@ -618,15 +650,18 @@ static void assert_same_scene(const struct glint_scene *a, const struct glint_sc
     for (uint32_t i = 0; i < a->instances; i++) {
         assert_string_equal(a->instance[i].id, b->instance[i].id);
         assert_memory_equal(&a->instance[i].object, &b->instance[i].object,
-                            offsetof(struct glint_instance, visible) - offsetof(struct glint_instance, object));
+                            offsetof(struct glint_instance, visible) -
+                                offsetof(struct glint_instance, object));
         assert_int_equal(a->instance[i].visible, b->instance[i].visible);
     }
     for (uint32_t i = 0; i < a->lights; i++)
         assert_memory_equal(&a->light[i].kind, &b->light[i].kind,
-                            offsetof(struct glint_light, size) - offsetof(struct glint_light, kind));
+                            offsetof(struct glint_light, size) -
+                                offsetof(struct glint_light, kind));
     for (uint32_t i = 0; i < a->cameras; i++)
         assert_memory_equal(a->camera[i].transform, b->camera[i].transform,
-                            sizeof(struct glint_camera) - offsetof(struct glint_camera, transform) - 4);
+                            sizeof(struct glint_camera) - offsetof(struct glint_camera, transform) -
+                                4);
     if (a->has_environment)
         assert_memory_equal(&a->environment, &b->environment, sizeof a->environment);
 }
@@ -676,14 +711,16 @@ static void parsing_what_was_written_gives_an_equal_scene(void **state)
 static void different_words_for_one_scene_are_written_as_equal_bytes(void **state)
 {
     (void)state;
-    struct glint_scene *s[2] = {
-        parse("{'cameras':{'c':{'yfov':0.50,'name':'c'}},'lights':{'l':{'type':'sun','intensity':1}}}"),
-        parse("{'lights':{'l':{'type':'sun','transform':{'scale':[1,1,1]}}},'cameras':{'c':{'yfov':5e-1}}}")};
+    struct glint_scene *s[2] = {parse("{'cameras':{'c':{'yfov':0.50,'name':'c'}},'lights':{'l':{'"
+                                      "type':'sun','intensity':1}}}"),
+                                parse("{'lights':{'l':{'type':'sun','transform':{'scale':[1,1,1]}}}"
+                                      ",'cameras':{'c':{'yfov':5e-1}}}")};
     char *text[2];
     size_t length, assets = 0;
     struct glint_asset *asset = NULL;
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(glint_scene_write(s[i], &text[i], &length, &asset, &assets, NULL), GLINT_OK);
+        assert_int_equal(glint_scene_write(s[i], &text[i], &length, &asset, &assets, NULL),
+                         GLINT_OK);
         glint_scene_destroy(&s[i]);
     }
     assert_string_equal(text[0], text[1]);
@@ -709,13 +746,16 @@ static void a_million_triangles_in_an_asset_parse_without_being_copied(void **st
         index[i] = i % vertices;
     const struct glint_asset asset = name(bytes, at.bytes);
     char *text = NULL;
-    assert_true(asprintf(&text, "{'cameras':{'c':{'yfov':1}},'meshes':{'t':{'asset':'%s','vertices':%u,"
-                                "'triangles':%u,'attributes':['normal']}}}", asset.sha256, vertices, triangles) > 0);
+    assert_true(asprintf(&text,
+                         "{'cameras':{'c':{'yfov':1}},'meshes':{'t':{'asset':'%s','vertices':%u,"
+                         "'triangles':%u,'attributes':['normal']}}}",
+                         asset.sha256, vertices, triangles) > 0);
     struct timespec from, to;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &from);
     struct glint_scene *s = parse_with(text, &asset, 1);
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &to);
-    const double ms = 1e3 * (double)(to.tv_sec - from.tv_sec) + 1e-6 * (double)(to.tv_nsec - from.tv_nsec);
+    const double ms =
+        1e3 * (double)(to.tv_sec - from.tv_sec) + 1e-6 * (double)(to.tv_nsec - from.tv_nsec);
     print_message("# %.2f ms of CPU for %u triangles\n", ms, triangles);
     assert_true(ms < 1000);
     assert_ptr_equal(s->mesh[0].normal, normal);
