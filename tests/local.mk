@@ -130,15 +130,21 @@ SCRIPT_TESTS = \
 	tests/http/test_streams.py \
 	tests/render/test_cryptomatte_node.py \
 	tests/render/test_exr_readers.py \
+	tests/render/test_peers.py \
 	tests/unit/headers.sh \
 	tests/unit/import_corpora.py \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
-dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/bench/run tests/bench/vectorised
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/bench/run tests/bench/vectorised \
+	tests/render/peers/references.sh
 dist_check_DATA += tests/clients/cli.py tests/clients/fake_daemon.py tests/http/daemon.py \
 	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/surface.h \
 	tests/render/cryptomatte.py tests/render/cryptomatte_node.py \
+	tests/render/peers/balls-white.json tests/render/peers/balls.json \
+	tests/render/peers/compare.py tests/render/peers/cornell.json \
+	tests/render/peers/cycles_render.py tests/render/peers/mitsuba_render.py \
+	tests/render/peers/reference.py tests/render/peers/scenes.py \
 	tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/tap.py
 
 TEST_EXTENSIONS = .py .sh

@@ -3,7 +3,7 @@
     compare.py OURS.exr PEER.exr [--block 16] [--map]
 
 For each channel and for luminance: mean of ours over the peer's, then the 5th, 50th and 95th
-percentile of the ratios of block means, and the worst block. --map prints the luminance ratios.
+percentile of the ratios of block means, and the worst block; blocks almost black are left out. --map prints the luminance ratios.
 """
 import argparse
 
@@ -13,12 +13,13 @@ import OpenImageIO as oiio
 LUMINANCE = np.array([.2126, .7152, .0722])
 
 
-def read(path):
+def read(path, layer=""):
+    """R, G and B of a layer, "" or a name with its dot."""
     image = oiio.ImageInput.open(path)
     names = list(image.spec().channelnames)
     pixels = image.read_image("float")
     image.close()
-    pick = [next(k for k, n in enumerate(names) if n.split(".")[-1] == c) for c in "RGB"]
+    pick = [names.index(layer + c) for c in "RGB"]
     return pixels[..., pick].astype(np.float64)
 
 
@@ -28,8 +29,9 @@ def blocks(image, side):
 
 
 def ratios(ours, peer, side):
+    """Of block means; NaN where the peer has less than a hundredth of its mean."""
     a, b = blocks(ours, side), blocks(peer, side)
-    return a / np.maximum(b, 1e-9)
+    return np.where(b < .01 * b.mean((0, 1)), np.nan, a / np.maximum(b, 1e-30))
 
 
 def main():
@@ -44,9 +46,10 @@ def main():
     r = ratios(a, b, o.block)
     for c, name in enumerate(("R", "G", "B", "Y")):
         v = r[..., c].reshape(-1)
-        worst = int(np.argmax(np.abs(v - 1)))
-        print(f"{name} mean {a[..., c].mean() / b[..., c].mean():.4f}  p5 {np.quantile(v, .05):.4f}  "
-              f"p50 {np.quantile(v, .5):.4f}  p95 {np.quantile(v, .95):.4f}  worst {v[worst]:.4f} "
+        worst = int(np.nanargmax(np.abs(v - 1)))
+        p5, p50, p95 = np.nanquantile(v, (.05, .5, .95))
+        print(f"{name} mean {a[..., c].mean() / b[..., c].mean():.4f}  p5 {p5:.4f}  p50 {p50:.4f}  "
+              f"p95 {p95:.4f}  worst {v[worst]:.4f} "
               f"at row {worst // r.shape[1]} column {worst % r.shape[1]}")
     if o.map:
         for row in r[..., 3]:

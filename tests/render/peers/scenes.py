@@ -1,22 +1,25 @@
 """scenes.py - scenes that any renderer can be given alike: flat lists of meshes in world space.
 
 A scene is {"meshes": [...], "camera": {"transform": 4x4 camera to world, "yfov": radians},
-"environment": [r, g, b]}; a mesh is {"name", "P" [n][3], "N" [n][3] or None, "UV" [n][2] or None,
-"I" [m][3], "material"}; a material has the members of the native scene form that MATERIAL lists.
+"environment": [r, g, b]}; a mesh is {"name", "P" [n][3], "N" [n][3] or None, "I" [m][3],
+"material"}; a material has the members of the native scene form that MATERIAL lists.
 
-    scenes.py cornell|metals|metals-white OUT.json     a scene of ours, in the native form
-    scenes.py plain IN.glb OUT.glb [--white-metal]     a GLB without its dielectric coats
+    scenes.py NAME OUT.json                            a scene of ours, one of MADE, in the native form
+    scenes.py pack IN.gltf OUT.glb                     a file with all that it refers to
+    scenes.py plain IN.gl[tb] OUT.glb [--white-metal]  the same without dielectric coats
 """
+import base64
 import json
 import math
+import os
 import struct
 import sys
+import urllib.parse
 
 import numpy as np
 
 MATERIAL = {"base_color": [1.0, 1.0, 1.0], "metallic": 0.0, "roughness": 1.0, "ior": 1.5,
-            "transmission": 0.0, "double_sided": True, "emission": [0.0, 0.0, 0.0],
-            "base_color_texture": None}
+            "transmission": 0.0, "double_sided": True, "emission": [0.0, 0.0, 0.0]}
 METAL_ROUGHNESS = (0.0, 0.1, 0.3, 0.6, 1.0)
 METAL_COLOUR = ((0.9, 0.9, 0.9), (1.0, 0.77, 0.34), (0.95, 0.64, 0.54), (0.3, 0.5, 0.9),
                 (0.2, 0.7, 0.3))
@@ -160,8 +163,7 @@ def read_native(path):
     for name, instance in doc["instances"].items():
         mesh = doc["meshes"][instance["mesh"]]
         meshes.append({"name": name, "P": array(mesh["positions"], 3),
-                       "N": array(mesh.get("normals"), 3), "UV": array(mesh.get("uvs"), 2),
-                       "I": array(mesh["indices"], 3).astype(np.int64),
+                       "N": array(mesh.get("normals"), 3), "I": array(mesh["indices"], 3).astype(np.int64),
                        "material": {**MATERIAL, **doc["materials"][instance["material"]]}})
     camera = next(iter(doc["cameras"].values()))
     return {"meshes": meshes, "environment": doc.get("environment", {}).get("radiance", [0, 0, 0]),
@@ -169,19 +171,53 @@ def read_native(path):
                        "yfov": camera["yfov"]}}
 
 
-def split_glb(path):
+def fetch(uri, folder):
+    if uri.startswith("data:"):
+        return base64.b64decode(uri.split(",", 1)[1])
+    with open(os.path.join(folder, urllib.parse.unquote(uri)), "rb") as f:
+        return f.read()
+
+
+def embed(doc, folder):
+    """Moves buffers and images of a .gltf into one buffer, which it returns."""
+    data, start = b"", []
+    for buffer in doc["buffers"]:
+        start.append(len(data))
+        data += fetch(buffer["uri"], folder)
+        data += b"\0" * (-len(data) % 4)
+    for view in doc["bufferViews"]:
+        view["byteOffset"] = view.get("byteOffset", 0) + start[view["buffer"]]
+        view["buffer"] = 0
+    for image in doc.get("images", []):
+        uri = image.pop("uri")
+        picture = fetch(uri, folder)
+        doc["bufferViews"].append({"buffer": 0, "byteOffset": len(data),
+                                   "byteLength": len(picture)})
+        image["bufferView"] = len(doc["bufferViews"]) - 1
+        image["mimeType"] = "image/png" if uri.endswith(".png") else "image/jpeg"
+        data += picture + b"\0" * (-len(picture) % 4)
+    doc["buffers"] = [{"byteLength": len(data)}]
+    return data
+
+
+def open_gltf(path):
+    """The document of a .glb or .gltf and its only buffer."""
     with open(path, "rb") as f:
         data = f.read()
+    if not path.endswith(".glb"):
+        doc = json.loads(data)
+        return doc, embed(doc, os.path.dirname(path))
     length = struct.unpack_from("<I", data, 12)[0]
-    return json.loads(data[20:20 + length]), data[20 + length:]
+    return json.loads(data[20:20 + length]), data[28 + length:]
 
 
-def write_glb(path, doc, rest):
+def write_glb(path, doc, data):
     text = json.dumps(doc).encode()
     text += b" " * (-len(text) % 4)
     with open(path, "wb") as f:
-        f.write(struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A))
-        f.write(text + rest)
+        f.write(struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(data)))
+        for kind, chunk in (b"JSON", text), (b"BIN\0", data):
+            f.write(struct.pack("<I4s", len(chunk), kind) + chunk)
 
 
 def accessor(doc, data, index):
@@ -199,7 +235,6 @@ def gltf_material(m):
     pbr, extension = m.get("pbrMetallicRoughness", {}), m.get("extensions", {})
     strength = extension.get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1)
     return {"base_color": pbr.get("baseColorFactor", [1, 1, 1, 1])[:3],
-            "base_color_texture": pbr.get("baseColorTexture", {}).get("index"),
             "metallic": pbr.get("metallicFactor", 1), "roughness": pbr.get("roughnessFactor", 1),
             "ior": extension.get("KHR_materials_ior", {}).get("ior", 1.5),
             "transmission": extension.get("KHR_materials_transmission", {})
@@ -213,14 +248,14 @@ def node_matrix(node):
         return np.array(node["matrix"]).reshape(4, 4).T
     if "rotation" in node:
         raise ValueError("nodes with a rotation are not read")
-    return (np.diag([*node.get("scale", [1, 1, 1]), 1])
-            + np.pad(np.array(node.get("translation", [0, 0, 0])), (0, 1))[:, None] * [0, 0, 0, 1])
+    m = np.diag([*node.get("scale", [1.0, 1.0, 1.0]), 1.0])
+    m[:3, 3] = node.get("translation", [0, 0, 0])
+    return m
 
 
 def read_glb(path):
-    doc, rest = split_glb(path)
-    data = rest[8:]
-    scene = {"meshes": [], "environment": [0, 0, 0], "doc": doc, "data": data}
+    doc, data = open_gltf(path)
+    scene = {"meshes": [], "environment": [0, 0, 0]}
     materials = [gltf_material(m) for m in doc["materials"]]
 
     def visit(index, above):
@@ -241,7 +276,7 @@ def read_glb(path):
             faces = faces if np.linalg.det(m[:3, :3]) > 0 else faces[:, ::-1]
             scene["meshes"].append({"name": f"{index}.{k} {node.get('name', '')}", "I": faces,
                                     "P": get("POSITION") @ m[:3, :3].T + m[:3, 3], "N": n,
-                                    "UV": get("TEXCOORD_0"), "material": materials[p["material"]]})
+                                    "material": materials[p["material"]]})
         for child in node.get("children", []):
             visit(child, m)
 
@@ -267,9 +302,11 @@ def kind(material):
 
 def plain(source, target, white_metal):
     """Removes what other renderers do differently: the coat of diffuse materials, emission of back
-    sides and, if asked, the colour of metals."""
-    doc, rest = split_glb(source)
+    sides, attenuation and, if asked, the colour of metals."""
+    doc, data = open_gltf(source)
     for m in doc["materials"]:
+        volume = m.get("extensions", {}).get("KHR_materials_volume", {})
+        volume.pop("attenuationDistance", None) # its absence is infinity; the walls stay solid
         pbr = m.setdefault("pbrMetallicRoughness", {})
         transmits = "KHR_materials_transmission" in m.get("extensions", {})
         if pbr.get("metallicFactor", 1) == 0 and not transmits:
@@ -280,16 +317,21 @@ def plain(source, target, white_metal):
         if max(m.get("emissiveFactor", [0])) > 0:
             m["doubleSided"] = False
     doc["extensionsUsed"] = sorted({*doc.get("extensionsUsed", []), "KHR_materials_ior"})
-    write_glb(target, doc, rest)
+    write_glb(target, doc, data)
 
 
 WHITE = ((1.0, 1.0, 1.0),) * 5
-MADE = {"cornell": cornell, "metals": metals, "metals-white": lambda: metals(WHITE)}
+NARROW = (0.0, 0.05, 0.1, 0.15, 0.2) # roughness below which no renderer's masking is seen
+MADE = {"cornell": cornell, "metals": metals, "metals-white": lambda: metals(WHITE),
+        "balls": lambda: metals(segments=96),
+        "balls-white": lambda: metals(WHITE, NARROW, .15, 96)}
 
 
 def main():
     if len(sys.argv) >= 4 and sys.argv[1] == "plain":
         plain(sys.argv[2], sys.argv[3], "--white-metal" in sys.argv)
+    elif len(sys.argv) == 4 and sys.argv[1] == "pack":
+        write_glb(sys.argv[3], *open_gltf(sys.argv[2]))
     elif len(sys.argv) == 3 and sys.argv[1] in MADE:
         with open(sys.argv[2], "w") as f:
             json.dump(MADE[sys.argv[1]](), f)
