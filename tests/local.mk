@@ -144,7 +144,8 @@ dist_check_DATA += tests/clients/cli.py tests/clients/fake_daemon.py tests/http/
 	tests/render/peers/balls-white.json tests/render/peers/balls.json \
 	tests/render/peers/compare.py tests/render/peers/cornell.json \
 	tests/render/peers/cycles_render.py tests/render/peers/mitsuba_render.py \
-	tests/render/peers/reference.py tests/render/peers/scenes.py \
+	tests/render/peers/reference.py tests/render/peers/references.sh \
+	tests/render/peers/scenes.py \
 	tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/tap.py
 
 TEST_EXTENSIONS = .py .sh

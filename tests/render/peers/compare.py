@@ -3,7 +3,8 @@
     compare.py OURS.exr PEER.exr [--block 16] [--map]
 
 For each channel and for luminance: mean of ours over the peer's, then the 5th, 50th and 95th
-percentile of the ratios of block means, and the worst block; blocks almost black are left out. --map prints the luminance ratios.
+percentile of the ratios of block means, and the worst block; blocks with less than a hundredth of
+the peer's mean are left out. --map prints the luminance ratios.
 """
 import argparse
 

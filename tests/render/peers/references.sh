@@ -18,7 +18,7 @@ reference() {
         "$1" "$2" "$work/$3.json" "$work/$seed.exr" --size 96x64 --spp "$4" --seed $seed
     done
     "$python" reference.py "$3.json" "$work"/[1-8].exr --scene "$3" --peer "$(peer_"$module" "$1")" \
-        --command "$2 $3.json SEED.exr --size 96x64 --spp $4 --seed SEED (8 seeds)"
+        --command "scenes.py $3 $3.json; $2 $3.json SEED.exr --size 96x64 --spp $4 --seed SEED; SEED 1 to 8"
 }
 
 peer_mitsuba() { "$1" -c 'import mitsuba; print("Mitsuba", mitsuba.__version__)'; }
