@@ -136,8 +136,7 @@ SCRIPT_TESTS = \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
-dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/bench/run tests/bench/vectorised \
-	tests/render/peers/references.sh
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/bench/run tests/bench/vectorised
 dist_check_DATA += tests/clients/cli.py tests/clients/fake_daemon.py tests/http/daemon.py \
 	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/surface.h \
 	tests/render/cryptomatte.py tests/render/cryptomatte_node.py \
