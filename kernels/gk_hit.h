@@ -1,17 +1,23 @@
-// gk_hit.h - from what the tracer wrote to a point with normals and a surface.
+// gk_hit.h - from what the tracer wrote to a point with normals and texture coordinates.
 #ifndef GK_HIT_H
 #define GK_HIT_H
 
-#include "kernels/gk_bsdf.h"
 #include "kernels/gk_scene.h"
 #include "kernels/gk_texture.h"
+#include "kernels/gk_vec.h"
 
 // The tables of a resident scene, as a kernel was given them.
 struct gk_resident {
     const GK_GLOBAL struct gk_triangle *triangle;
     const GK_GLOBAL struct gk_tangent *tangent;
+    const GK_GLOBAL struct gk_uv1 *uv1;
+    const GK_GLOBAL struct gk_colour *colour;
     const GK_GLOBAL struct gk_instance *instance;
+    const GK_GLOBAL struct gk_mover *mover;
+    const GK_GLOBAL struct gk_turn *turn;
+    const GK_GLOBAL struct gk_flow *flow;
     const GK_GLOBAL struct gk_material *material;
+    const GK_GLOBAL gk_f32 *energy; // table of gk_bsdf.h
     struct gk_texture_pools textures;
 };
 
@@ -25,6 +31,7 @@ struct gk_raw_hit {
 struct gk_hit {
     struct gk_vec ng, ns; // unit, world, on the side that the ray came from
     gk_f32 cos_g;         // of the ray with the front side's geometric normal, signed; > 0: back
+    gk_f32 u, v;          // barycentrics of the second and third vertex
     gk_f32 tu, tv;        // texture coordinates
     gk_u32 triangle;      // record
     gk_u32 instance;      // row
@@ -109,6 +116,8 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
     const GK_GLOBAL struct gk_instance *row = r->instance + hit.instance;
     hit.triangle = row->triangle + raw.primitive;
     hit.material = row->material;
+    hit.u = raw.u;
+    hit.v = raw.v;
     const GK_GLOBAL struct gk_triangle *tri = r->triangle + hit.triangle;
     const gk_f32 w = 1.0f - raw.u - raw.v;
     hit.tu = w * tri->uv[0] + raw.u * tri->uv[2] + raw.v * tri->uv[4];
@@ -131,52 +140,6 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
     // Seen from beyond its horizon a shading normal has no meaning: the geometric one serves.
     hit.ns = gk_vec_select(ns, hit.ng, gk_dot(ns, d) > -1e-4f);
     return hit;
-}
-
-// Radiance that the hit emits towards the ray's origin.
-GK_INLINE struct gk_vec gk_hit_emission(const struct gk_resident *r, const struct gk_hit *hit)
-{
-    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
-    struct gk_vec L = gk_vec(m->emission[0], m->emission[1], m->emission[2]);
-#ifdef GK_TEXTURES
-    const struct gk_texel e = gk_texture_fetch(&r->textures, m->emission_texture, hit->tu, hit->tv);
-    L = gk_mul(L, gk_vec(e.r, e.g, e.b));
-#endif
-    const gk_i32 shows = hit->cos_g <= 0.0f || (m->flags & GK_MATERIAL_TWO_SIDED_EMISSION) != 0u;
-    return gk_vec_select(gk_splat(0.0f), L, shows);
-}
-
-// The surface at a hit, prepared for the direction back along the ray.
-GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const struct gk_hit *hit,
-                                           gk_f32 cos_o)
-{
-    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
-    struct gk_surface s;
-    s.base = gk_vec(m->base[0], m->base[1], m->base[2]);
-    s.metallic = m->metallic;
-    gk_f32 roughness = m->roughness;
-#ifdef GK_TEXTURES
-    const struct gk_texel base = gk_texture_fetch(&r->textures, m->base_texture, hit->tu, hit->tv);
-    const struct gk_texel rough =
-        gk_texture_fetch(&r->textures, m->rough_texture, hit->tu, hit->tv);
-    s.base = gk_mul(s.base, gk_vec(base.r, base.g, base.b));
-    s.metallic *= rough.b;
-    roughness *= rough.g;
-#endif
-    s.alpha = roughness * roughness;
-    s.fresnel_mean = m->fresnel_mean;
-#ifdef GK_TRANSMISSION
-    s.transmission = m->transmission;
-    s.thin = (m->flags & GK_MATERIAL_THIN) != 0u;
-    const gk_i32 leaving = hit->cos_g > 0.0f && s.transmission > 0.0f && !s.thin;
-    s.eta = leaving ? 1.0f / m->ior : m->ior;
-#else
-    s.transmission = 0.0f;
-    s.thin = 0;
-    s.eta = m->ior;
-#endif
-    gk_surface_prepare(&s, cos_o);
-    return s;
 }
 
 #endif

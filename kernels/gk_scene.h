@@ -13,9 +13,22 @@
 struct gk_triangle {
     gk_f32 normal[9]; // at the three vertices, in the space of the mesh; all zero: flat
     gk_f32 uv[6];
-    gk_u32 light; // index of its gk_light, GK_NONE: not sampled
+    gk_u32 unused;
 };
 GK_LAYOUT(gk_triangle, 64);
+
+// Second texture coordinates, present only under GK_UV1.
+struct gk_uv1 {
+    gk_f32 uv[6];
+    gk_f32 unused[2];
+};
+GK_LAYOUT(gk_uv1, 32);
+
+// Vertex colours, present only under GK_VERTEX_COLOURS: linear rgb and opacity; ones without.
+struct gk_colour {
+    gk_f32 rgba[12]; // [3 vertices][4]
+};
+GK_LAYOUT(gk_colour, 48);
 
 // Tangent-space records, present only under GK_NORMAL_MAPS; w is the sign of the bitangent.
 struct gk_tangent {
@@ -24,6 +37,7 @@ struct gk_tangent {
 GK_LAYOUT(gk_tangent, 48);
 
 #define GK_INSTANCE_TRANSFORMED 1u // normals go through `normal`; else they are world space already
+#define GK_INSTANCE_MIRRORED 2u    // the traced geometric normal is on the wrong side
 
 struct gk_instance {
     gk_u32 triangle; // first record of its mesh
@@ -31,12 +45,42 @@ struct gk_instance {
     gk_u32 matte; // index of its (object, material, asset); 1 is the background
     gk_u32 flags;
     gk_f32 normal[9]; // inverse transpose, row-major
-    gk_f32 unused[3];
+    gk_u32 light;     // gk_light of its first triangle, the others follow; GK_NONE: emits nothing
+    gk_u32 mover;     // its gk_mover, GK_NONE: it stands still
+    gk_u32 unused;
 };
 GK_LAYOUT(gk_instance, 64);
 
+// How an instance moves while the shutter is open, under GK_MOTION. A path has a time in 0..1 of the
+// shutter; there are gk_frame.motion_segments segments of equal length, linear in between.
+struct gk_mover {
+    gk_u32 turn;   // gk_turn of the first key, the others follow; GK_NONE: `normal` holds always
+    gk_u32 stride; // triangle (and tangent) records from one key to the next; 0: does not deform
+    gk_u32 flow;   // gk_flow of its first triangle, under GK_FLOW; GK_NONE: the mesh is at rest
+    gk_u32 unused;
+};
+GK_LAYOUT(gk_mover, 16);
+
+struct gk_turn {
+    gk_f32 normal[9]; // inverse transpose, row-major
+    gk_f32 unused[3];
+};
+GK_LAYOUT(gk_turn, 48);
+
+// Where a triangle's vertices are a frame earlier and a frame later, relative to the scene's centre.
+struct gk_flow {
+    gk_f32 before[9], after[9];
+    gk_f32 unused[2];
+};
+GK_LAYOUT(gk_flow, 80);
+
 #define GK_MATERIAL_THIN 1u
 #define GK_MATERIAL_TWO_SIDED_EMISSION 2u
+#define GK_MATERIAL_CULLED 4u    // opaque and single-sided: the camera does not see its back
+#define GK_MATERIAL_BLEND 8u     // shows the share opacity x alpha of itself
+#define GK_MATERIAL_ABSORBS 16u  // `attenuation` is not zero
+#define GK_MATERIAL_SPECULAR 32u // specular or specular_color differ from 1, or have a texture
+#define GK_MATERIAL_COATED 64u
 
 struct gk_material {
     gk_f32 base[3];
@@ -50,14 +94,25 @@ struct gk_material {
     gk_f32 opacity, cutoff; // a hole where opacity x texture alpha < cutoff; cutoff 0: none
     gk_u32 base_texture, rough_texture, normal_texture, emission_texture; // GK_NONE: none
     gk_u32 flags;
-    gk_u32 unused[5];
+    gk_u32 interior;       // GK_PRIORITIES: rank among the nested dielectrics, 1.., 0: none
+    gk_f32 attenuation[3]; // absorption in the solid, 1/m
+    gk_f32 collimation;
+    gk_f32 specular;
+    gk_f32 specular_color[3];
+    gk_f32 coat, coat_roughness, coat_normal_scale;
+    gk_u32 specular_texture, specular_color_texture, transmission_texture;
+    gk_u32 coat_texture, coat_rough_texture, coat_normal_texture;
+    gk_u32 unused[11];
 };
-GK_LAYOUT(gk_material, 96);
+GK_LAYOUT(gk_material, 192);
 
 #define GK_WRAP_REPEAT 0u
 #define GK_WRAP_CLAMP 1u
 #define GK_WRAP_MIRROR 2u
-#define GK_TEXTURE_SRGB 16u // flags: wrap_u | wrap_v << 2 | GK_TEXTURE_SRGB
+#define GK_TEXTURE_SRGB 16u         // flags: wrap_u | wrap_v << 2 | these
+#define GK_TEXTURE_NEAREST 32u      // no interpolation
+#define GK_TEXTURE_UV1 64u          // reads the second coordinates
+#define GK_TEXTURE_TRANSFORMED 128u // `transform` is not the identity
 
 // 8-bit RGBA texels in tiles of 8x8, row-major inside a tile and over tiles.
 struct gk_texture {
@@ -67,9 +122,10 @@ struct gk_texture {
     gk_u32 tiles; // per row
     gk_u32 flags;
     gk_u32 image; // of the scene, to find a record again
-    gk_u32 unused;
+    gk_u32 unused[3];
+    gk_f32 transform[6]; // row-major 2x3, of (u, v, 1)
 };
-GK_LAYOUT(gk_texture, 32);
+GK_LAYOUT(gk_texture, 64);
 
 #define GK_LIGHT_TRIANGLE 0u
 #define GK_LIGHT_POINT 1u // a spot is a point with a cone

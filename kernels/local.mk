@@ -15,6 +15,7 @@ kernel_headers = \
 	kernels/gk_matte.h \
 	kernels/gk_sampler.h \
 	kernels/gk_scene.h \
+	kernels/gk_surface.h \
 	kernels/gk_texture.h \
 	kernels/gk_types.h \
 	kernels/gk_vec.h \

@@ -3,8 +3,8 @@
 // Unbiased path tracing with next-event estimation and multiple importance sampling (Veach 1997).
 // One item per path; every item reads and writes its own columns only.
 #include "kernels/gk_camera.h"
-#include "kernels/gk_hit.h"
 #include "kernels/gk_light.h"
+#include "kernels/gk_surface.h"
 #include "kernels/gk_wave.h"
 
 struct gk_path {
@@ -16,6 +16,7 @@ struct gk_path {
 struct gk_lights {
     const __global struct gk_light *light;
     const __global struct gk_alias *alias;
+    const __global gk_u32 *cells; // of the light grid
     struct gk_environment environment;
 };
 
@@ -74,8 +75,9 @@ GK_INLINE struct gk_vec gk_found_emission(const __global struct gk_frame *frame,
                                           const struct gk_path *path, const struct gk_hit *hit)
 {
 #ifdef GK_EMISSION
-    const gk_u32 index = scene->triangle[hit->triangle].light;
-    const gk_i32 sampled = index != GK_NONE && path->pdf >= 0.0f;
+    const __global struct gk_instance *row = scene->instance + hit->instance;
+    const gk_u32 index = row->light + (hit->triangle - row->triangle);
+    const gk_i32 sampled = row->light != GK_NONE && frame->lights > 0u && path->pdf >= 0.0f;
     const __global struct gk_light *light = lights->light + (sampled ? index : 0u);
     const gk_f32 choice = gk_light_choice(light, frame->lights) * (1.0f - frame->env_choice);
     const gk_f32 pdf = gk_triangle_light_pdf(light, path->t, gk_abs(hit->cos_g), choice);
@@ -316,30 +318,40 @@ GK_INLINE struct gk_environment gk_environment_of(const __global struct gk_frame
     return e;
 }
 
-__kernel void shade_surface(__global float *restrict wave, const gk_u32 stride, const gk_u32 n,
-                            const __global struct gk_frame *restrict frame,
-                            const __global struct gk_wave_rect *restrict rect,
-                            const __global struct gk_triangle *restrict triangles,
-                            const __global struct gk_tangent *restrict tangents,
-                            const __global struct gk_instance *restrict instances,
-                            const __global struct gk_material *restrict materials,
-                            const __global struct gk_texture *restrict textures,
-                            const __global gk_u32 *restrict pool0,
-                            const __global gk_u32 *restrict pool1,
-                            const __global gk_u32 *restrict pool2,
-                            const __global gk_u32 *restrict pool3,
-                            const __global gk_f32 *restrict decode,
-                            const __global struct gk_light *restrict light_table,
-                            const __global struct gk_alias *restrict alias,
-                            const __global struct gk_env_texel *restrict env_texels,
-                            const __global struct gk_env_cell *restrict env_cells)
+__kernel void shade_surface(
+    __global float *restrict wave, const gk_u32 stride, const gk_u32 n,
+    const __global struct gk_frame *restrict frame,
+    const __global struct gk_wave_rect *restrict rect,
+    const __global struct gk_triangle *restrict triangles,
+    const __global struct gk_tangent *restrict tangents, const __global struct gk_uv1 *restrict uv1,
+    const __global struct gk_colour *restrict colours,
+    const __global struct gk_instance *restrict instances,
+    const __global struct gk_mover *restrict movers, const __global struct gk_turn *restrict turns,
+    const __global struct gk_flow *restrict flows,
+    const __global struct gk_material *restrict materials,
+    const __global struct gk_texture *restrict textures, const __global gk_u32 *restrict pool0,
+    const __global gk_u32 *restrict pool1, const __global gk_u32 *restrict pool2,
+    const __global gk_u32 *restrict pool3, const __global gk_f32 *restrict decode,
+    const __global struct gk_light *restrict light_table,
+    const __global struct gk_alias *restrict alias, const __global gk_u32 *restrict light_cells,
+    const __global gk_f32 *restrict energy, const __global struct gk_env_texel *restrict env_texels,
+    const __global struct gk_env_cell *restrict env_cells)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
     if (i >= n)
         return;
-    const struct gk_resident scene = {
-        triangles, tangents, instances, materials, {textures, pool0, pool1, pool2, pool3, decode}};
-    const struct gk_lights lights = {light_table, alias,
+    const struct gk_resident scene = {triangles,
+                                      tangents,
+                                      uv1,
+                                      colours,
+                                      instances,
+                                      movers,
+                                      turns,
+                                      flows,
+                                      materials,
+                                      energy,
+                                      {textures, pool0, pool1, pool2, pool3, decode}};
+    const struct gk_lights lights = {light_table, alias, light_cells,
                                      gk_environment_of(frame, env_texels, env_cells)};
     const struct gk_vertex x = gk_vertex_load(wave, stride, i, frame, rect, &scene);
     if (x.path.depth == 0u)

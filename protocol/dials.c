@@ -37,11 +37,19 @@ const struct glint_dial_row glint_dial_table[GLINT_DIAL_COUNT] = {
                            {"power", "uniform"},
                            0x3,
                            "uniform: every emitter with equal probability"},
+    [GLINT_DIAL_MICROFACET] = {"microfacet",
+                               "accuracy",
+                               {"multiple", "single"},
+                               0x1,
+                               "single: light that meets several microfacets is lost"},
 };
 
 const struct glint_preset glint_preset_table[] = {
     {"production",
-     {[GLINT_DIAL_PRECISION] = 1, [GLINT_DIAL_TRAVERSAL] = 1, [GLINT_DIAL_ROULETTE] = 1}},
+     {[GLINT_DIAL_MICROFACET] = 1,
+      [GLINT_DIAL_PRECISION] = 1,
+      [GLINT_DIAL_TRAVERSAL] = 1,
+      [GLINT_DIAL_ROULETTE] = 1}},
     {"reference", {0}},
     {NULL, {0}},
 };

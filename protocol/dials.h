@@ -17,6 +17,7 @@ enum glint_dial {
     GLINT_DIAL_TRAVERSAL,    // robust, fast
     GLINT_DIAL_ROULETTE,     // none, throughput
     GLINT_DIAL_LIGHTS,       // power, uniform
+    GLINT_DIAL_MICROFACET,   // multiple, single
     GLINT_DIAL_COUNT
 };
 

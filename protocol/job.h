@@ -25,6 +25,7 @@ enum glint_output {
     GLINT_OUT_ALBEDO = 1u << 6,
     GLINT_OUT_SAMPLES = 1u << 7,
     GLINT_OUT_VARIANCE = 1u << 8,
+    GLINT_OUT_MOTION = 1u << 9, // pixels to the next and previous frame
 };
 #define GLINT_OUT_CRYPTO \
     (GLINT_OUT_CRYPTO_OBJECT | GLINT_OUT_CRYPTO_MATERIAL | GLINT_OUT_CRYPTO_ASSET)
@@ -57,7 +58,11 @@ struct glint_job {
     enum glint_filter_kind filter;
     float filter_width;   // pixels, 0.5..16; default blackman_harris 1.5... box 1
     uint32_t max_bounces; // 0..1024; default 8
-    uint32_t frame;       // number of the frame, only recorded
+    uint32_t frame;       // number of the frame; time is frame / fps
+    float fps;            // frames per second, 0: the scene's
+    float shutter[2];     // opens and closes, in frames from `frame` on; -16..16, default 0 0
+    char *animation;      // id or name; NULL: the scene's first; "none": the scene at rest
+    bool live;            // follows the scene's revisions and camera moves
     uint32_t seed;
     struct glint_job_stop stop; // absent: 256 samples
     int32_t priority;           // -100..100

@@ -46,3 +46,70 @@ void glint_scene_warn(struct glint_scene *scene, const char *format, ...)
         scene->warning[scene->warnings++] = kept;
     free(text);
 }
+
+static const float identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+void glint_texture_init(struct glint_texture *t)
+{
+    *t = (struct glint_texture){.image = GLINT_NONE, .scale = {1, 1}};
+}
+
+void glint_material_init(struct glint_material *m)
+{
+    *m = (struct glint_material){
+        .base_color = {1, 1, 1},
+        .opacity = 1,
+        .alpha_cutoff = 0.5f,
+        .roughness = 1,
+        .ior = 1.5f,
+        .double_sided = true,
+        .normal_scale = 1,
+        .specular = 1,
+        .specular_color = {1, 1, 1},
+        .clearcoat_normal_scale = 1,
+        .attenuation_color = {1, 1, 1},
+        .collimation = 1,
+    };
+    struct glint_texture *const texture[] = {&m->base_color_texture,
+                                             &m->metallic_roughness_texture,
+                                             &m->normal_texture,
+                                             &m->emission_texture,
+                                             &m->specular_texture,
+                                             &m->specular_color_texture,
+                                             &m->transmission_texture,
+                                             &m->clearcoat_texture,
+                                             &m->clearcoat_roughness_texture,
+                                             &m->clearcoat_normal_texture};
+    for (size_t i = 0; i < sizeof texture / sizeof *texture; i++)
+        glint_texture_init(texture[i]);
+}
+
+void glint_instance_init(struct glint_instance *in)
+{
+    *in = (struct glint_instance){.node = GLINT_NONE, .skin = GLINT_NONE, .visible = true};
+    memcpy(in->transform, identity, sizeof identity);
+}
+
+void glint_light_init(struct glint_light *l)
+{
+    *l = (struct glint_light){
+        .node = GLINT_NONE,
+        .color = {1, 1, 1},
+        .intensity = 1,
+        .outer_cone = 0.785398163f,
+        .size = {1, 1},
+    };
+    memcpy(l->transform, identity, sizeof identity);
+}
+
+void glint_camera_init(struct glint_camera *c)
+{
+    *c = (struct glint_camera){.node = GLINT_NONE, .ymag = 1, .focus_distance = 1};
+    memcpy(c->transform, identity, sizeof identity);
+}
+
+void glint_node_init(struct glint_node *n)
+{
+    *n = (struct glint_node){.parent = GLINT_NONE, .rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}};
+    memcpy(n->transform, identity, sizeof identity);
+}

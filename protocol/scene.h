@@ -52,18 +52,28 @@ struct glint_image {
 
 enum glint_wrap { GLINT_WRAP_REPEAT, GLINT_WRAP_CLAMP, GLINT_WRAP_MIRROR };
 
+enum glint_filtering { GLINT_FILTERING_LINEAR, GLINT_FILTERING_NEAREST };
+
+// One use of an image. Its coordinates are translate(offset) rotate(rotation) scale(scale) applied
+// to those of the mesh, as KHR_texture_transform has it.
 struct glint_texture {
     uint32_t image; // GLINT_NONE: no texture
     enum glint_wrap wrap_u, wrap_v;
+    enum glint_filtering filter;
+    uint32_t uv_set;                     // 0, 1: which coordinates of the mesh
+    float offset[2], scale[2], rotation; // default 0, 1, 0 radians
 };
 
-enum glint_alpha_mode { GLINT_ALPHA_OPAQUE, GLINT_ALPHA_MASK };
+// Opaque ignores opacity, mask makes holes where it is below the cutoff, blend shows what lies
+// behind through the share 1 - opacity of the surface.
+enum glint_alpha_mode { GLINT_ALPHA_OPAQUE, GLINT_ALPHA_MASK, GLINT_ALPHA_BLEND };
 
-// Metallic-roughness material of glTF 2.0 with transmission, ior and emission strength.
+// Metallic-roughness material of glTF 2.0 with its ratified extensions transmission, volume, ior,
+// specular, clearcoat and emissive strength; priority and collimation are ours.
 struct glint_material {
     char *id, *name;
     float base_color[3]; // 0..1
-    float opacity;       // 0..1, alpha of the base colour; only used by GLINT_ALPHA_MASK
+    float opacity;       // 0..1, alpha of the base colour; not used by GLINT_ALPHA_OPAQUE
     enum glint_alpha_mode alpha_mode;
     float alpha_cutoff; // opacity below it is a hole
     float metallic;     // 0..1
@@ -71,13 +81,30 @@ struct glint_material {
     float ior;          // 1..10 (1: no dielectric interface), relative to vacuum
     float transmission; // 0..1 share of the non-metallic base that transmits instead of diffusing
     bool thin;          // transmits without bending: an infinitely thin wall
-    bool double_sided;  // emits on both sides
+    bool double_sided;  // emits on both sides; else the camera does not see an opaque one's back
     float emission[3];  // radiance, >= 0
     float normal_scale; // of the normal map's x and y
-    struct glint_texture base_color_texture;         // rgb sRGB, a opacity
-    struct glint_texture metallic_roughness_texture; // g roughness, b metallic, linear
-    struct glint_texture normal_texture;             // tangent space, linear
-    struct glint_texture emission_texture;           // sRGB
+    float specular;     // 0..1, factor of the dielectric's reflection (KHR_materials_specular)
+    float specular_color[3];   // >= 0, of its reflection at normal incidence
+    float clearcoat;           // 0..1 (KHR_materials_clearcoat)
+    float clearcoat_roughness; // 0..1
+    float clearcoat_normal_scale;
+    float attenuation_color[3]; // 0..1, what is left of white light after attenuation_distance
+    float attenuation_distance; // metres, 0: nothing is absorbed (KHR_materials_volume)
+    float collimation;          // 0..1, 1: transmits as sharply as the surface is smooth; towards 0
+                                // what is transmitted is scattered
+    uint32_t priority; // of nested dielectrics, 1..255: where solids overlap the highest is there
+                       // (Schmidt and Budge 2002); 0: each interface is one with empty space
+    struct glint_texture base_color_texture;          // rgb sRGB, a opacity
+    struct glint_texture metallic_roughness_texture;  // g roughness, b metallic, linear
+    struct glint_texture normal_texture;              // tangent space, linear
+    struct glint_texture emission_texture;            // sRGB
+    struct glint_texture specular_texture;            // a specular
+    struct glint_texture specular_color_texture;      // sRGB
+    struct glint_texture transmission_texture;        // r transmission
+    struct glint_texture clearcoat_texture;           // r clearcoat
+    struct glint_texture clearcoat_roughness_texture; // g clearcoat roughness
+    struct glint_texture clearcoat_normal_texture;    // tangent space, linear
 };
 
 struct glint_mesh {
@@ -87,6 +114,15 @@ struct glint_mesh {
     const float *normal;          // [vertices][3] unit, or NULL: flat
     const float *uv;              // [vertices][2], or NULL
     const float *tangent;         // [vertices][4], w = sign of the bitangent, or NULL
+    const float *uv1;             // [vertices][2], second set, or NULL
+    const float *color;           // [vertices][4] linear rgb and opacity, >= 0, or NULL
+    const uint16_t *joint;        // [vertices][4] indices of a skin's joints, or NULL
+    const float *weight;          // [vertices][4] >= 0, sum 1, where `joint` is present
+    uint32_t targets;             // morph targets, 0..256
+    const float *target_position; // [targets][vertices][3] displacements
+    const float *target_normal;   // [targets][vertices][3], or NULL
+    const float *target_tangent;  // [targets][vertices][3], or NULL
+    const float *target_weight;   // [targets] at rest, or NULL: 0
     const uint32_t *index;        // [triangles][3], each < vertices
     char asset[65];               // "" when inline or a primitive
 };
@@ -98,10 +134,60 @@ struct glint_object {
     char *asset; // Cryptomatte asset name, "" for none
 };
 
+// A frame of reference that may move. Node -> parent is its transform; a chain ends in the world.
+struct glint_node {
+    char *id, *name;
+    uint32_t parent;                             // GLINT_NONE: the world. No cycles
+    float transform[16];                         // column-major, affine; of the node at rest
+    float translation[3], rotation[4], scale[3]; // the same; rotation is a unit quaternion x y z w
+    bool matrix; // given as 16 numbers: it cannot be animated, the three members above are unset
+};
+
+// Joint j moves a vertex by joint_to_world(j) inverse_bind[j]; weights mix the joints.
+struct glint_skin {
+    char *id;
+    uint32_t joints;           // 1..65535
+    uint32_t *joint;           // [joints] nodes
+    const float *inverse_bind; // [joints][16] column-major
+};
+
+enum glint_channel_path {
+    GLINT_PATH_TRANSLATION,
+    GLINT_PATH_ROTATION,
+    GLINT_PATH_SCALE,
+    GLINT_PATH_WEIGHTS
+};
+enum glint_interpolation {
+    GLINT_INTERPOLATION_LINEAR, // rotations: spherical, the short way
+    GLINT_INTERPOLATION_STEP,
+    GLINT_INTERPOLATION_CUBICSPLINE
+};
+
+struct glint_animation_channel {
+    char *id;
+    uint32_t node;
+    enum glint_channel_path path;
+    enum glint_interpolation interpolation;
+    uint32_t keys;      // 1..
+    uint32_t width;     // numbers in a value: 3, 4, or the targets of weights
+    const float *time;  // [keys] seconds, >= 0, growing
+    const float *value; // [keys][width]; cubic: [keys][3][width], in-tangent, value, out-tangent
+    char asset[65];     // "" when inline
+};
+
+struct glint_animation {
+    char *id, *name;
+    uint32_t channels;
+    struct glint_animation_channel *channel; // no two of one node and path
+};
+
 struct glint_instance {
     char *id;
     uint32_t object, mesh, material;
-    float transform[16]; // column-major object to world, affine, not singular
+    uint32_t node; // GLINT_NONE: the world
+    uint32_t skin; // GLINT_NONE: rigid; else `node` does not move it and transform comes after it
+    float transform[16]; // column-major object to node, affine, not singular
+    const float *weight; // [targets of the mesh], or NULL: those of the mesh
     bool visible;
 };
 
@@ -112,15 +198,21 @@ struct glint_light {
     enum glint_light_kind kind;
     float color[3];               // >= 0
     float intensity;              // point, spot: W/sr; sun: W/m^2; area: radiance
-    float transform[16];          // position and direction (-z)
+    uint32_t node;                // GLINT_NONE: the world
+    float transform[16];          // to the node: position and direction (-z)
     float inner_cone, outer_cone; // spot, radians, 0 <= inner < outer <= pi/2
     float size[2];                // area, metres along local x and y; emits along -z
 };
 
+enum glint_projection { GLINT_PERSPECTIVE, GLINT_ORTHOGRAPHIC };
+
 struct glint_camera {
     char *id, *name;
-    float transform[16];  // camera to world; looks along -z, +y up
-    float yfov;           // radians, 0 < yfov < pi
+    enum glint_projection projection;
+    uint32_t node;        // GLINT_NONE: the world; always so in a job
+    float transform[16];  // camera to node; looks along -z, +y up
+    float yfov;           // radians, 0 < yfov < pi; perspective
+    float ymag;           // metres, half the height of what is seen, > 0; orthographic
     float lens_radius;    // metres, 0: pinhole
     float focus_distance; // metres along the view axis, > 0 where lens_radius > 0
 };
@@ -131,9 +223,21 @@ struct glint_environment {
     float rotation;    // radians about +y
 };
 
+// A homogeneous medium that scatters by Henyey and Greenstein, in the open space of the scene, that
+// is outside of every solid that transmits.
+struct glint_medium {
+    char *id;
+    float density;   // extinction, 1/m, >= 0
+    float albedo[3]; // 0..1, share of the extinction that scatters
+    float g;         // -1..1, mean cosine
+    bool bounded;    // else it has no end, and nothing shines through it from infinity
+    float box[6];    // least and greatest corner, metres in the world
+};
+
 struct glint_scene {
     struct glint_arena arena; // owns every string and inline array
     uint32_t images, materials, meshes, objects, instances, lights, cameras;
+    uint32_t nodes, skins, animations, media; // media: at most 1
     struct glint_image *image;
     struct glint_material *material;
     struct glint_mesh *mesh;
@@ -141,6 +245,11 @@ struct glint_scene {
     struct glint_instance *instance;
     struct glint_light *light;
     struct glint_camera *camera;
+    struct glint_node *node; // parents may come after their children
+    struct glint_skin *skin;
+    struct glint_animation *animation;
+    struct glint_medium *medium;
+    float fps; // frames per second that jobs count by, default 24
     bool has_environment;
     struct glint_environment environment;
     uint32_t warnings, warning_capacity;
@@ -157,6 +266,15 @@ glint_status glint_scene_parse(struct glint_scene **out, const char *text, size_
                                struct glint_error *err);
 
 void glint_scene_destroy(struct glint_scene **scene);
+
+// What an item is where nothing is said of it: the defaults of the native form. Ids, names and
+// references to other items are the caller's, absent ones GLINT_NONE.
+void glint_material_init(struct glint_material *material);
+void glint_texture_init(struct glint_texture *texture); // no image
+void glint_instance_init(struct glint_instance *instance);
+void glint_light_init(struct glint_light *light);
+void glint_camera_init(struct glint_camera *camera);
+void glint_node_init(struct glint_node *node);
 
 // Adds a warning (printf). Only while the scene is being built.
 void glint_scene_warn(struct glint_scene *scene, const char *format, ...)

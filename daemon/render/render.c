@@ -63,7 +63,8 @@ static glint_status prepare(struct glint_render *r, uint64_t force, struct glint
     glint_plan_make(&r->plan, &in, force);
     glint_status st = glint_program_get(&r->program, r->devices, r->plan.options, err);
     if (!st)
-        st = glint_resident_geometry(r->scene, robust, &r->wave_job.geometry, err);
+        st = glint_resident_geometry(r->scene, GLINT_GEOMETRY_FLAT, robust, &r->wave_job.geometry,
+                                     err);
     if (!st)
         st = glint_film_create(&r->film, r->devices, &r->plan, &r->job, err);
     if (!st)

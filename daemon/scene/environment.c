@@ -25,7 +25,7 @@ static void read_texel(const struct glint_resident *r, const struct glint_image 
             out[k] = half_to_float(p[k]);
         return;
     }
-    const float *decode = glint_buffer_host(r->decode);
+    const float *decode = glint_table_host(r, GLINT_TABLE_DECODE);
     const uint8_t *p = (const uint8_t *)image->pixels + 4 * i;
     for (int k = 0; k < 3; k++)
         out[k] = decode[p[k]];
@@ -34,7 +34,7 @@ static void read_texel(const struct glint_resident *r, const struct glint_image 
 static glint_status fill_texels(struct glint_resident *r, const struct glint_image *image,
                                 struct glint_error *err)
 {
-    struct gk_env_texel *texel = glint_buffer_host(r->env_texel);
+    struct gk_env_texel *texel = glint_table_host(r, GLINT_TABLE_ENV_TEXELS);
     const size_t n = (size_t)image->width * image->height;
     for (size_t i = 0; i < n; i++) {
         read_texel(r, image, i, texel[i].L);
@@ -53,7 +53,7 @@ static double cell_weight(const struct glint_resident *r, const struct glint_ima
                           uint32_t cx, uint32_t cy)
 {
     const struct glint_scene_lighting *l = &r->lighting;
-    const struct gk_env_texel *texel = glint_buffer_host(r->env_texel);
+    const struct gk_env_texel *texel = glint_table_host(r, GLINT_TABLE_ENV_TEXELS);
     const int64_t x0 = (int64_t)cx * image->width / l->env_cell_width - 1;
     const int64_t x1 =
         ((int64_t)(cx + 1) * image->width + l->env_cell_width - 1) / l->env_cell_width + 1;
@@ -77,7 +77,7 @@ static glint_status fill_cells(struct glint_resident *r, const struct glint_imag
                                struct glint_error *err)
 {
     const uint32_t w = r->lighting.env_cell_width, h = r->lighting.env_cell_height, n = w * h;
-    struct gk_env_cell *cell = glint_buffer_host(r->env_cell);
+    struct gk_env_cell *cell = glint_table_host(r, GLINT_TABLE_ENV_CELLS);
     double *weight = malloc(n * sizeof *weight);
     if (!weight)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the environment's cells");
@@ -117,10 +117,11 @@ glint_status glint_resident_build_environment(struct glint_resident *r, struct g
     l->env_choice = image ? (r->lights ? 0.5f : 1.0f) : 0.0f;
     const size_t texels = (size_t)l->env_width * l->env_height;
     const size_t cells = (size_t)l->env_cell_width * l->env_cell_height;
-    glint_status st =
-        glint_buffer_create(&r->env_texel, r->devices, texels * sizeof(struct gk_env_texel), err);
+    glint_status st = glint_buffer_create(&r->table[GLINT_TABLE_ENV_TEXELS], r->devices,
+                                          texels * sizeof(struct gk_env_texel), err);
     if (!st)
-        st = glint_buffer_create(&r->env_cell, r->devices, cells * sizeof(struct gk_env_cell), err);
+        st = glint_buffer_create(&r->table[GLINT_TABLE_ENV_CELLS], r->devices,
+                                 cells * sizeof(struct gk_env_cell), err);
     if (!st && image)
         st = fill_texels(r, image, err);
     if (!st && image)

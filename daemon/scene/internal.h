@@ -52,14 +52,17 @@ struct glint_resident {
     pthread_mutex_t mutex; // guards the lazily built robust geometry
     glint_geometry *geometry[2];
 
-    glint_buffer *triangle, *tangent, *instance, *material;
-    glint_buffer *texture, *pool[4], *decode;
-    glint_buffer *light, *alias, *env_texel, *env_cell;
+    glint_buffer *table[GLINT_TABLES];
     uint32_t triangles, lights, pools;
     struct glint_scene_facts facts;
     struct glint_scene_lighting lighting;
     struct glint_resident_stats stats;
 };
+
+static inline void *glint_table_host(const struct glint_resident *r, enum glint_table table)
+{
+    return glint_buffer_host(r->table[table]);
+}
 
 glint_status glint_resident_build_rows(struct glint_resident *r, struct glint_error *err);
 glint_status glint_resident_build_records(struct glint_resident *r, struct glint_error *err);

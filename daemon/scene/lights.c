@@ -26,9 +26,10 @@ static double texture_mean(const struct glint_resident *r, uint32_t texture)
 {
     if (texture == GK_NONE)
         return 1.0;
-    const struct gk_texture *t = (const struct gk_texture *)glint_buffer_host(r->texture) + texture;
+    const struct gk_texture *t =
+        (const struct gk_texture *)glint_table_host(r, GLINT_TABLE_TEXTURES) + texture;
     const struct glint_image *image = &r->scene->image[t->image];
-    const float *decode = glint_buffer_host(r->decode);
+    const float *decode = glint_table_host(r, GLINT_TABLE_DECODE);
     const uint8_t *p = image->pixels;
     const size_t n = (size_t)image->width * image->height;
     double sum = 0.0;
@@ -53,7 +54,7 @@ static void triangle_light(const struct glint_resident *r, const struct glint_ro
 {
     const struct glint_kept *k = glint_row_kept(r, row);
     const struct gk_material *m =
-        (const struct gk_material *)glint_buffer_host(r->material) + row->material;
+        (const struct gk_material *)glint_table_host(r, GLINT_TABLE_MATERIALS) + row->material;
     const bool flip = glint_row_determinant(row) < 0.0;
     float p[3][3];
     for (int c = 0; c < 3; c++) {
@@ -77,22 +78,22 @@ static void triangle_light(const struct glint_resident *r, const struct glint_ro
     l->material = m->emission_texture != GK_NONE ? row->material : GK_NONE;
 }
 
-static void add_row(struct glint_resident *r, const struct glint_row *row, double *power)
+// Every triangle of a row has its entry, in the order of the row: a hit finds it by its number.
+// One of no power is never chosen.
+static void add_row(struct glint_resident *r, uint32_t index, double *power)
 {
+    const struct glint_row *row = &r->row[index];
     const struct glint_kept *k = glint_row_kept(r, row);
     const struct gk_material *m =
-        (const struct gk_material *)glint_buffer_host(r->material) + row->material;
+        (const struct gk_material *)glint_table_host(r, GLINT_TABLE_MATERIALS) + row->material;
     const double mean = luminance(m->emission) * texture_mean(r, m->emission_texture);
-    struct gk_light *table = glint_buffer_host(r->light);
-    struct gk_triangle *record =
-        (struct gk_triangle *)glint_buffer_host(r->triangle) + row->triangle;
-    for (uint32_t i = 0; i < k->triangles; i++) {
-        struct gk_light *l = &table[r->lights];
+    struct gk_light *l = (struct gk_light *)glint_table_host(r, GLINT_TABLE_LIGHTS) + r->lights;
+    struct gk_instance *in = (struct gk_instance *)glint_table_host(r, GLINT_TABLE_INSTANCES);
+    in[index].light = r->lights;
+    for (uint32_t i = 0; i < k->triangles; i++, l++) {
         triangle_light(r, row, i, l);
         const double sides = l->kind >> 4 ? 2.0 : 1.0;
-        power[r->lights] = M_PI * mean * light_area(l) * sides;
-        if (power[r->lights] > 0.0)
-            record[i].light = r->lights++;
+        power[r->lights++] = M_PI * mean * light_area(l) * sides;
     }
 }
 
@@ -120,7 +121,7 @@ static void cone(const struct glint_light *from, struct gk_light *l)
 
 static void add_punctual(struct glint_resident *r, const struct glint_light *from, double *power)
 {
-    struct gk_light *l = (struct gk_light *)glint_buffer_host(r->light) + r->lights;
+    struct gk_light *l = (struct gk_light *)glint_table_host(r, GLINT_TABLE_LIGHTS) + r->lights;
     memset(l, 0, sizeof *l);
     const float *t = from->transform;
     const double length = sqrt((double)t[8] * t[8] + (double)t[9] * t[9] + (double)t[10] * t[10]);
@@ -140,13 +141,15 @@ static void add_punctual(struct glint_resident *r, const struct glint_light *fro
 static glint_status choose_by(struct glint_resident *r, const double *power,
                               struct glint_error *err)
 {
-    struct gk_alias *alias = glint_buffer_host(r->alias);
-    struct gk_light *light = glint_buffer_host(r->light);
+    struct gk_alias *alias = glint_table_host(r, GLINT_TABLE_ALIAS);
+    struct gk_light *light = glint_table_host(r, GLINT_TABLE_LIGHTS);
     double total = 0.0;
     for (uint32_t i = 0; i < r->lights; i++)
         total += power[i];
     for (uint32_t i = 0; i < r->lights; i++)
-        light[i].choice = (float)(power[i] / total);
+        light[i].choice = total > 0.0 ? (float)(power[i] / total) : 0.0f;
+    if (total == 0.0)
+        r->lights = 0; // all black
     if (r->lights && !glint_alias_build(power, r->lights, &alias->keep, &alias->other, 2))
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the light table");
     return GLINT_OK;
@@ -158,15 +161,15 @@ glint_status glint_resident_build_lights(struct glint_resident *r, struct glint_
     double *power = calloc(capacity, sizeof *power);
     if (!power)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u lights", capacity);
-    glint_status st =
-        glint_buffer_create(&r->light, r->devices, (size_t)capacity * sizeof(struct gk_light), err);
+    glint_status st = glint_buffer_create(&r->table[GLINT_TABLE_LIGHTS], r->devices,
+                                          (size_t)capacity * sizeof(struct gk_light), err);
     if (!st)
-        st = glint_buffer_create(&r->alias, r->devices, (size_t)capacity * sizeof(struct gk_alias),
-                                 err);
+        st = glint_buffer_create(&r->table[GLINT_TABLE_ALIAS], r->devices,
+                                 (size_t)capacity * sizeof(struct gk_alias), err);
     if (!st) {
         for (uint32_t i = 0; i < r->rows; i++)
             if (r->row[i].emits)
-                add_row(r, &r->row[i], power);
+                add_row(r, i, power);
         for (uint32_t i = 0; i < r->scene->lights; i++)
             if (r->scene->light[i].kind != GLINT_LIGHT_AREA)
                 add_punctual(r, &r->scene->light[i], power);

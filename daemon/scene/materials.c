@@ -73,11 +73,11 @@ glint_status glint_resident_build_materials(struct glint_resident *r, struct gli
 {
     const struct glint_scene *s = r->scene;
     const size_t records = (size_t)s->materials + area_lights(s) + 1;
-    glint_status st =
-        glint_buffer_create(&r->material, r->devices, records * sizeof(struct gk_material), err);
+    glint_status st = glint_buffer_create(&r->table[GLINT_TABLE_MATERIALS], r->devices,
+                                          records * sizeof(struct gk_material), err);
     if (st)
         return st;
-    struct gk_material *m = glint_buffer_host(r->material);
+    struct gk_material *m = glint_table_host(r, GLINT_TABLE_MATERIALS);
     for (uint32_t i = 0; i < s->materials; i++)
         fill(r, &s->material[i], &m[i]);
     uint32_t next = s->materials;

@@ -25,11 +25,12 @@ static bool hole_at(const void *user, uint32_t row, uint32_t primitive, float u,
     const struct glint_resident *r = user;
     const struct glint_row *at = &r->row[row];
     const struct gk_material *m =
-        (const struct gk_material *)glint_buffer_host(r->material) + at->material;
+        (const struct gk_material *)glint_table_host(r, GLINT_TABLE_MATERIALS) + at->material;
     if (m->cutoff <= 0.0f)
         return false;
     const struct gk_triangle *t =
-        (const struct gk_triangle *)glint_buffer_host(r->triangle) + at->triangle + primitive;
+        (const struct gk_triangle *)glint_table_host(r, GLINT_TABLE_TRIANGLES) + at->triangle +
+        primitive;
     const float w = 1.0f - u - v;
     return glint_texture_alpha(r, m->base_texture, w * t->uv[0] + u * t->uv[2] + v * t->uv[4],
                                w * t->uv[1] + u * t->uv[3] + v * t->uv[5]) *

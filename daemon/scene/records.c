@@ -154,7 +154,6 @@ static void fill_triangles(struct gk_triangle *out, const struct glint_mesh *m,
     for (uint32_t i = 0; i < k->triangles; i++) {
         struct gk_triangle *t = &out[i];
         memset(t, 0, sizeof *t);
-        t->light = GK_NONE;
         for (int c = 0; c < 3; c++) {
             const size_t v = k->index[3 * (size_t)i + (flip && c ? 3 - c : c)];
             double n[3];
@@ -252,7 +251,8 @@ static glint_status fill_row(struct glint_resident *r, uint32_t index, bool *fil
     const struct glint_row *row = &r->row[index];
     const struct glint_kept *k = glint_row_kept(r, row);
     const bool placed = row->template_index != GLINT_NONE;
-    struct gk_instance *in = (struct gk_instance *)glint_buffer_host(r->instance) + index;
+    struct gk_instance *in =
+        (struct gk_instance *)glint_table_host(r, GLINT_TABLE_INSTANCES) + index;
     double normal[9], linear[9];
     glint_row_normal_matrix(row, normal);
     linear_part(row, linear);
@@ -260,6 +260,7 @@ static glint_status fill_row(struct glint_resident *r, uint32_t index, bool *fil
     in->material = row->material;
     in->matte = row->matte;
     in->flags = placed ? GK_INSTANCE_TRANSFORMED : 0;
+    in->light = in->mover = GK_NONE;
     for (int i = 0; i < 9; i++)
         in->normal[i] = (float)(placed ? normal[i] : identity[i]);
     if (placed && filled[row->template_index])
@@ -267,27 +268,29 @@ static glint_status fill_row(struct glint_resident *r, uint32_t index, bool *fil
     if (placed)
         filled[row->template_index] = true;
     const bool flip = !placed && glint_row_determinant(row) < 0.0;
-    struct gk_triangle *t = (struct gk_triangle *)glint_buffer_host(r->triangle) + row->triangle;
+    struct gk_triangle *t =
+        (struct gk_triangle *)glint_table_host(r, GLINT_TABLE_TRIANGLES) + row->triangle;
     bool clamps[2] = {false, false};
     find_clamps(r, row, clamps);
     fill_triangles(t, row->mesh, k, placed ? identity : normal, flip, clamps);
     if (!r->facts.normal_maps)
         return GLINT_OK;
-    struct gk_tangent *g = (struct gk_tangent *)glint_buffer_host(r->tangent) + row->triangle;
+    struct gk_tangent *g =
+        (struct gk_tangent *)glint_table_host(r, GLINT_TABLE_TANGENTS) + row->triangle;
     return fill_tangents(g, row->mesh, k, placed ? identity : linear, flip, err);
 }
 
 static glint_status allocate(struct glint_resident *r, struct glint_error *err)
 {
     const uint64_t records = r->triangles ? r->triangles : 1;
-    glint_status st =
-        glint_buffer_create(&r->triangle, r->devices, records * sizeof(struct gk_triangle), err);
+    glint_status st = glint_buffer_create(&r->table[GLINT_TABLE_TRIANGLES], r->devices,
+                                          records * sizeof(struct gk_triangle), err);
     if (!st)
-        st = glint_buffer_create(&r->tangent, r->devices,
+        st = glint_buffer_create(&r->table[GLINT_TABLE_TANGENTS], r->devices,
                                  (r->facts.normal_maps ? records : 1) * sizeof(struct gk_tangent),
                                  err);
     if (!st)
-        st = glint_buffer_create(&r->instance, r->devices,
+        st = glint_buffer_create(&r->table[GLINT_TABLE_INSTANCES], r->devices,
                                  ((size_t)r->rows + 1) * sizeof(struct gk_instance), err);
     return st;
 }

@@ -8,11 +8,8 @@
 
 static void release_tables(struct glint_resident *r)
 {
-    glint_buffer **table[] = {&r->triangle, &r->tangent, &r->instance,  &r->material, &r->texture,
-                              &r->pool[0],  &r->pool[1], &r->pool[2],   &r->pool[3],  &r->decode,
-                              &r->light,    &r->alias,   &r->env_texel, &r->env_cell};
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
-        glint_buffer_destroy(table[i]);
+    for (int t = 0; t < GLINT_TABLES; t++)
+        glint_buffer_destroy(&r->table[t]);
 }
 
 static void destroy(struct glint_resident *r)
@@ -44,6 +41,31 @@ static glint_status build_fast_geometry(struct glint_resident *r, struct glint_e
     return glint_resident_build_geometry(r, false, &r->geometry[0], err);
 }
 
+#define TABLE(t) (1u << GLINT_TABLE_##t)
+#define RECORD_TABLES                                                                      \
+    (TABLE(TRIANGLES) | TABLE(TANGENTS) | TABLE(UV1) | TABLE(COLOURS) | TABLE(INSTANCES) | \
+     TABLE(MOVERS) | TABLE(TURNS) | TABLE(FLOWS) | TABLE(MATERIALS))
+#define LIGHT_TABLES \
+    (TABLE(LIGHTS) | TABLE(ALIAS) | TABLE(LIGHT_CELLS) | TABLE(ENV_TEXELS) | TABLE(ENV_CELLS))
+
+static uint64_t bytes_of(const struct glint_resident *r, uint32_t tables)
+{
+    uint64_t bytes = 0;
+    for (int t = 0; t < GLINT_TABLES; t++)
+        bytes += tables & 1u << t ? glint_buffer_bytes(r->table[t]) : 0;
+    return bytes;
+}
+
+// Kernels are given every table: those that nothing filled hold one entry of zeros.
+static glint_status fill_gaps(struct glint_resident *r, struct glint_error *err)
+{
+    glint_status st = GLINT_OK;
+    for (int t = 0; !st && t < GLINT_TABLES; t++)
+        if (!r->table[t])
+            st = glint_buffer_create(&r->table[t], r->devices, 256, err);
+    return st;
+}
+
 static glint_status build(struct glint_resident *r, struct glint_error *err)
 {
     struct glint_resident_stats *s = &r->stats;
@@ -60,16 +82,14 @@ static glint_status build(struct glint_resident *r, struct glint_error *err)
         st = timed(glint_resident_build_environment, r, &s->light_seconds, err);
     if (!st)
         st = timed(build_fast_geometry, r, &s->bvh_seconds, err);
-    return st;
+    return st ? st : fill_gaps(r, err);
 }
 
 static void count_bytes(struct glint_resident *r)
 {
     struct glint_resident_stats *s = &r->stats;
-    s->record_bytes = glint_buffer_bytes(r->triangle) + glint_buffer_bytes(r->tangent) +
-                      glint_buffer_bytes(r->instance) + glint_buffer_bytes(r->material);
-    s->light_bytes = glint_buffer_bytes(r->light) + glint_buffer_bytes(r->alias) +
-                     glint_buffer_bytes(r->env_texel) + glint_buffer_bytes(r->env_cell);
+    s->record_bytes = bytes_of(r, RECORD_TABLES);
+    s->light_bytes = bytes_of(r, LIGHT_TABLES);
     for (uint32_t i = 0; i < r->scene->meshes; i++) {
         const struct glint_mesh *m = &r->scene->mesh[i];
         const uint64_t vertex =
@@ -80,8 +100,8 @@ static void count_bytes(struct glint_resident *r)
 }
 
 glint_status glint_resident_create(glint_resident **out, glint_devices *devices,
-                                   struct glint_scene *scene, void (*free_assets)(void *),
-                                   void *assets, struct glint_error *err)
+                                   const struct glint_resident_order *order,
+                                   struct glint_error *err)
 {
     *out = NULL;
     struct glint_resident *r = calloc(1, sizeof *r);
@@ -90,15 +110,15 @@ glint_status glint_resident_create(glint_resident **out, glint_devices *devices,
     pthread_mutex_init(&r->mutex, NULL);
     atomic_init(&r->references, 1);
     r->devices = devices;
-    r->scene = scene;
+    r->scene = order->scene;
     const glint_status st = build(r, err);
     if (st) {
         destroy(r);
         return st;
     }
     count_bytes(r);
-    r->free_assets = free_assets;
-    r->assets = assets;
+    r->free_assets = order->free_assets;
+    r->assets = order->assets;
     *out = r;
     return GLINT_OK;
 }
@@ -163,16 +183,14 @@ void glint_resident_centre(const glint_resident *r, double centre[3])
 
 glint_buffer *glint_resident_table(const glint_resident *r, enum glint_table table)
 {
-    glint_buffer *const buffer[GLINT_TABLES] = {
-        r->triangle, r->tangent, r->instance, r->material, r->texture, r->pool[0],   r->pool[1],
-        r->pool[2],  r->pool[3], r->decode,   r->light,    r->alias,   r->env_texel, r->env_cell};
-    return buffer[table];
+    return r->table[table];
 }
 
-glint_status glint_resident_geometry(glint_resident *r, bool robust,
+glint_status glint_resident_geometry(glint_resident *r, enum glint_geometry_kind kind, bool robust,
                                      const struct glint_geometry **out, struct glint_error *err)
 {
     glint_status st = GLINT_OK;
+    (void)kind;
     pthread_mutex_lock(&r->mutex);
     if (!r->geometry[robust])
         st = glint_resident_build_geometry(r, robust, &r->geometry[robust], err);

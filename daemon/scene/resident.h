@@ -8,15 +8,50 @@
 #include "device/device.h"
 #include "protocol/scene.h"
 #include "scene/facts.h"
+#include "scene/pose.h"
 
 typedef struct glint_resident glint_resident;
+
+// What became of one part of a resident scene, beside the revision that it was made from.
+enum glint_part {
+    GLINT_PART_MESHES,      // kept triangles and their records
+    GLINT_PART_TEXTURES,    // pools and texture records
+    GLINT_PART_MATERIALS,   // material records
+    GLINT_PART_INSTANCES,   // rows, mattes, movers
+    GLINT_PART_LIGHTS,      // light table and its grid
+    GLINT_PART_ENVIRONMENT, // texels and cells
+    GLINT_PART_BVH,         // traversal structures of meshes
+    GLINT_PART_PLACEMENT,   // the top-level structure over them
+    GLINT_PARTS
+};
+extern const char *const glint_part_name[GLINT_PARTS];
+
+enum glint_part_fate { GLINT_KEPT, GLINT_REFITTED, GLINT_UPLOADED, GLINT_REBUILT };
+
+struct glint_resident_change {
+    enum glint_part_fate fate[GLINT_PARTS];
+    double seconds[GLINT_PARTS];
+    uint32_t items[GLINT_PARTS]; // meshes, textures, ... made anew
+};
 
 // Builds from `scene`, which must have been completed (camera, environment). Takes `scene` on
 // success; the assets that it borrows must live until `free_assets(assets)` is called, when the
 // last reference goes (may be NULL).
+struct glint_resident_order {
+    struct glint_scene *scene;
+    void (*free_assets)(void *);
+    void *assets;
+    // Where what moves is; NULL: everything as the scene has it. Borrowed for the call.
+    const struct glint_pose *pose;
+    // The revision before, whose parts are shared where the scene has them unchanged; NULL: none.
+    // Borrowed: what is shared is counted.
+    const glint_resident *from;
+};
 glint_status glint_resident_create(glint_resident **out, glint_devices *devices,
-                                   struct glint_scene *scene, void (*free_assets)(void *),
-                                   void *assets, struct glint_error *err);
+                                   const struct glint_resident_order *order,
+                                   struct glint_error *err);
+// What was made anew and what was shared.
+const struct glint_resident_change *glint_resident_change(const glint_resident *resident);
 glint_resident *glint_resident_retain(glint_resident *resident);
 void glint_resident_release(glint_resident **resident);
 
@@ -44,10 +79,18 @@ struct glint_scene_lighting {
     uint32_t lights;      // entries of the light table
     float environment[3]; // radiance, or factor of the image
     uint32_t env_width, env_height, env_cell_width, env_cell_height;
-    float env_rotation; // radians
-    float env_choice;   // share of light samples that go to the environment image
+    float env_rotation;    // radians
+    float env_choice;      // share of light samples that go to the environment image
+    uint32_t light_stride; // entries of the light table from one motion key to the next, 0: still
+    float grid_origin[3];  // light grid: least corner, relative to the centre; cells per metre
+    float grid_scale[3];
+    uint32_t grid_size[3]; // cells along each axis, 0: no grid
+    uint32_t grid_clusters;
 };
 const struct glint_scene_lighting *glint_resident_lighting(const glint_resident *resident);
+
+// Segments of the motion keys, 0: nothing moves while the shutter is open.
+uint32_t glint_resident_segments(const glint_resident *resident);
 
 // The scene's own centre: positions in records and rays are relative to it.
 void glint_resident_centre(const glint_resident *resident, double centre[3]);
@@ -56,7 +99,12 @@ void glint_resident_centre(const glint_resident *resident, double centre[3]);
 enum glint_table {
     GLINT_TABLE_TRIANGLES,
     GLINT_TABLE_TANGENTS,
+    GLINT_TABLE_UV1,
+    GLINT_TABLE_COLOURS,
     GLINT_TABLE_INSTANCES,
+    GLINT_TABLE_MOVERS,
+    GLINT_TABLE_TURNS,
+    GLINT_TABLE_FLOWS,
     GLINT_TABLE_MATERIALS,
     GLINT_TABLE_TEXTURES,
     GLINT_TABLE_POOL0,
@@ -66,17 +114,23 @@ enum glint_table {
     GLINT_TABLE_DECODE,
     GLINT_TABLE_LIGHTS,
     GLINT_TABLE_ALIAS,
+    GLINT_TABLE_LIGHT_CELLS,
+    GLINT_TABLE_ENERGY,
     GLINT_TABLE_ENV_TEXELS,
     GLINT_TABLE_ENV_CELLS,
     GLINT_TABLES
 };
 glint_buffer *glint_resident_table(const glint_resident *resident, enum glint_table table);
 
-// The traversal structure; the robust one is built when it is first asked for.
+// Traversal structures. Flat: one level, of the highest quality, all but often drawn large meshes
+// baked into the world; what batch jobs trace. Placed: a structure for each mesh, shared between
+// revisions, under a top level of instances; what live jobs trace, because a moved object costs a
+// new top level only. Each is built when it is first asked for.
 struct glint_geometry;
-glint_status glint_resident_geometry(glint_resident *resident, bool robust,
-                                     const struct glint_geometry **out, struct glint_error *err);
-
+enum glint_geometry_kind { GLINT_GEOMETRY_FLAT, GLINT_GEOMETRY_PLACED };
+glint_status glint_resident_geometry(glint_resident *resident, enum glint_geometry_kind kind,
+                                     bool robust, const struct glint_geometry **out,
+                                     struct glint_error *err);
 // Matte keys of the slot tables: 1 is the background, 2.. are the scene's (object, material, asset)
 // triples, hidden ones too; then the names that no instance uses, in keys that nothing has. Returns
 // the number of keys, the two first included.

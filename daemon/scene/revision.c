@@ -67,7 +67,9 @@ static glint_status make_resident(glint_resident **out, glint_devices *devices,
     glint_status st =
         glint_scene_parse(&scene, import->text, import->length, import->asset, import->assets, err);
     if (!st)
-        st = glint_resident_create(out, devices, scene, free_import, import, err);
+        st = glint_resident_create(
+            out, devices, &(struct glint_resident_order){scene, free_import, import, NULL, NULL},
+            err);
     if (st) {
         glint_scene_destroy(&scene);
         glint_import_destroy(&import);

@@ -93,14 +93,18 @@ static struct gk_texture record_of(const struct glint_resident *r, const struct 
                                    const struct glint_texture *use, bool srgb)
 {
     const struct glint_image *image = &r->scene->image[use->image];
-    return (struct gk_texture){
-        spot[use->image].offset, spot[use->image].pool, image->width, image->height,
-        spot[use->image].tiles,  flags_of(use, srgb),   use->image,   0};
+    return (struct gk_texture){.offset = spot[use->image].offset,
+                               .pool = spot[use->image].pool,
+                               .width = image->width,
+                               .height = image->height,
+                               .tiles = spot[use->image].tiles,
+                               .flags = flags_of(use, srgb),
+                               .image = use->image};
 }
 
 static void add_records(struct glint_resident *r, const struct spot *spot)
 {
-    struct gk_texture *t = glint_buffer_host(r->texture);
+    struct gk_texture *t = glint_table_host(r, GLINT_TABLE_TEXTURES);
     uint32_t n = 0;
     for (uint32_t i = 0; i < r->scene->materials; i++)
         for (int use = 0; use < 4; use++) {
@@ -138,13 +142,15 @@ static glint_status fill_pools(struct glint_resident *r, const struct spot *spot
 {
     glint_status st = GLINT_OK;
     for (int p = 0; !st && p < POOLS; p++) {
-        st = glint_buffer_create(&r->pool[p], r->devices, (used[p] ? used[p] : 64) * 4, err);
+        st = glint_buffer_create(&r->table[GLINT_TABLE_POOL0 + p], r->devices,
+                                 (used[p] ? used[p] : 64) * 4, err);
         r->pools += used[p] > 0;
         r->stats.texture_bytes += used[p] * 4;
     }
     for (uint32_t i = 0; !st && i < r->scene->images; i++)
         if (spot[i].used)
-            tile_image((uint32_t *)glint_buffer_host(r->pool[spot[i].pool]) + spot[i].offset,
+            tile_image((uint32_t *)glint_buffer_host(r->table[GLINT_TABLE_POOL0 + spot[i].pool]) +
+                           spot[i].offset,
                        &r->scene->image[i]);
     r->facts.texture_pools = r->pools ? r->pools : 1;
     return st;
@@ -161,13 +167,15 @@ glint_status glint_resident_build_textures(struct glint_resident *r, struct glin
     if (!st)
         st = place_images(r, spot, used, err);
     if (!st)
-        st = glint_buffer_create(&r->texture, r->devices, records * sizeof(struct gk_texture), err);
+        st = glint_buffer_create(&r->table[GLINT_TABLE_TEXTURES], r->devices,
+                                 records * sizeof(struct gk_texture), err);
     if (!st)
-        st = glint_buffer_create(&r->decode, r->devices, 512 * sizeof(float), err);
+        st = glint_buffer_create(&r->table[GLINT_TABLE_DECODE], r->devices, 512 * sizeof(float),
+                                 err);
     if (!st)
         st = fill_pools(r, spot, used, err);
     if (!st) {
-        fill_decode(glint_buffer_host(r->decode));
+        fill_decode(glint_table_host(r, GLINT_TABLE_DECODE));
         add_records(r, spot);
     }
     free(spot);
@@ -179,7 +187,7 @@ uint32_t glint_resident_texture(const struct glint_resident *r, const struct gli
 {
     if (use->image == GLINT_NONE)
         return GK_NONE;
-    const struct gk_texture *t = glint_buffer_host(r->texture);
+    const struct gk_texture *t = glint_table_host(r, GLINT_TABLE_TEXTURES);
     const uint32_t flags = flags_of(use, srgb);
     uint32_t i = 0;
     while (t[i].image != use->image || t[i].flags != flags)
@@ -191,9 +199,9 @@ float glint_texture_alpha(const struct glint_resident *r, uint32_t texture, floa
 {
     const uint32_t *pool[POOLS];
     for (int p = 0; p < POOLS; p++)
-        pool[p] = glint_buffer_host(r->pool[p]);
+        pool[p] = glint_table_host(r, GLINT_TABLE_POOL0 + p);
     const struct gk_texture_pools pools = {
-        glint_buffer_host(r->texture), pool[0], pool[1], pool[2], pool[3],
-        glint_buffer_host(r->decode)};
+        glint_table_host(r, GLINT_TABLE_TEXTURES), pool[0], pool[1], pool[2], pool[3],
+        glint_table_host(r, GLINT_TABLE_DECODE)};
     return gk_texture_fetch(&pools, texture, u, v).a;
 }

@@ -50,7 +50,9 @@ static glint_resident *load_bytes(const struct offline *o, enum glint_scene_type
         glint_scene_parse(&scene, import->text, import->length, import->asset, import->assets,
                           &err) ||
         glint_scene_complete(scene, &err) ||
-        glint_resident_create(&resident, o->devices, scene, free_import, import, &err))
+        glint_resident_create(
+            &resident, o->devices,
+            &(struct glint_resident_order){scene, free_import, import, NULL, NULL}, &err))
         offline_die(name, &err);
     for (size_t i = 0; i < import->warnings; i++)
         fprintf(stderr, "# warning: %s\n", import->warning[i]);

@@ -115,7 +115,8 @@ static glint_status load(const struct offline *o, const char *text, struct glint
         st = glint_scene_parse(&scene, import->text, import->length, import->asset, import->assets,
                                err);
     if (!st)
-        st = glint_resident_create(&resident, o->devices, scene, NULL, NULL, err);
+        st = glint_resident_create(&resident, o->devices,
+                                   &(struct glint_resident_order){.scene = scene}, err);
     if (st)
         glint_scene_destroy(&scene);
     else

@@ -95,8 +95,8 @@ void glint_import_destroy(struct glint_import **import)
 }
 
 glint_status glint_resident_create(glint_resident **out, glint_devices *devices,
-                                   struct glint_scene *scene, void (*free_assets)(void *),
-                                   void *assets, struct glint_error *err)
+                                   const struct glint_resident_order *order,
+                                   struct glint_error *err)
 {
     (void)devices;
     *out = NULL;
@@ -107,9 +107,9 @@ glint_status glint_resident_create(glint_resident **out, glint_devices *devices,
     }
     *out = calloc(1, sizeof **out);
     atomic_init(&(*out)->references, 1);
-    (*out)->scene = scene;
-    (*out)->free_assets = free_assets;
-    (*out)->assets = assets;
+    (*out)->scene = order->scene;
+    (*out)->free_assets = order->free_assets;
+    (*out)->assets = order->assets;
     atomic_fetch_add(&residents, 1);
     return GLINT_OK;
 }

@@ -289,7 +289,7 @@ static void defaults_that_are_spelled_out_give_an_equal_job(void **state)
         "\"outputs\":[\"beauty\",\"crypto_object\",\"crypto_material\",\"crypto_asset\"],"
         "\"accuracy\":{\"gi\":\"path\",\"transparency\":\"traced\",\"primary\":\"full\","
         "\"precision\":\"float32\",\"traversal\":\"fast\",\"roulette\":\"throughput\",\"lights\":"
-        "\"power\"},"
+        "\"power\",\"microfacet\":\"single\"},"
         "\"mattes\":{\"slots\":12,\"levels\":6,\"through\":\"none\",\"eviction\":\"drop\"},"
         "\"filter\":{\"kind\":\"blackman_harris\",\"width\":1.5},\"stop\":{\"samples\":256}}");
     free(text);

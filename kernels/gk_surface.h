@@ -1,0 +1,54 @@
+// gk_surface.h - what a hit's material says there: the surface for the BSDF, and what it emits.
+#ifndef GK_SURFACE_H
+#define GK_SURFACE_H
+
+#include "kernels/gk_bsdf.h"
+#include "kernels/gk_hit.h"
+
+// Radiance that the hit emits towards the ray's origin.
+GK_INLINE struct gk_vec gk_hit_emission(const struct gk_resident *r, const struct gk_hit *hit)
+{
+    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
+    struct gk_vec L = gk_vec(m->emission[0], m->emission[1], m->emission[2]);
+#ifdef GK_TEXTURES
+    const struct gk_texel e = gk_texture_fetch(&r->textures, m->emission_texture, hit->tu, hit->tv);
+    L = gk_mul(L, gk_vec(e.r, e.g, e.b));
+#endif
+    const gk_i32 shows = hit->cos_g <= 0.0f || (m->flags & GK_MATERIAL_TWO_SIDED_EMISSION) != 0u;
+    return gk_vec_select(gk_splat(0.0f), L, shows);
+}
+
+// The surface at a hit, prepared for the direction back along the ray.
+GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const struct gk_hit *hit,
+                                           gk_f32 cos_o)
+{
+    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
+    struct gk_surface s;
+    s.base = gk_vec(m->base[0], m->base[1], m->base[2]);
+    s.metallic = m->metallic;
+    gk_f32 roughness = m->roughness;
+#ifdef GK_TEXTURES
+    const struct gk_texel base = gk_texture_fetch(&r->textures, m->base_texture, hit->tu, hit->tv);
+    const struct gk_texel rough =
+        gk_texture_fetch(&r->textures, m->rough_texture, hit->tu, hit->tv);
+    s.base = gk_mul(s.base, gk_vec(base.r, base.g, base.b));
+    s.metallic *= rough.b;
+    roughness *= rough.g;
+#endif
+    s.alpha = roughness * roughness;
+    s.fresnel_mean = m->fresnel_mean;
+#ifdef GK_TRANSMISSION
+    s.transmission = m->transmission;
+    s.thin = (m->flags & GK_MATERIAL_THIN) != 0u;
+    const gk_i32 leaving = hit->cos_g > 0.0f && s.transmission > 0.0f && !s.thin;
+    s.eta = leaving ? 1.0f / m->ior : m->ior;
+#else
+    s.transmission = 0.0f;
+    s.thin = 0;
+    s.eta = m->ior;
+#endif
+    gk_surface_prepare(&s, cos_o);
+    return s;
+}
+
+#endif
