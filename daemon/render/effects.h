@@ -42,6 +42,8 @@ struct glint_effect {
     // Film bytes per pixel that it adds; NULL: none.
     size_t (*film_bytes)(const struct glint_job *job);
     uint32_t tables; // bits 1 << glint_table of the resident buffers that it alone reads
+    uint32_t
+        carries; // bits 1 << GK_COL_* of path columns, from GK_COL_TIME on, that it alone wants
 };
 
 extern const struct glint_effect glint_effect_table[];

@@ -27,6 +27,7 @@ void glint_plan_make(struct glint_plan *out, const struct glint_effect_input *in
         if (!(out->on >> i & 1))
             continue;
         out->passes |= e->passes;
+        out->carries |= e->carries;
         if (e->define)
             add_option(out, e->define);
         if (e->film_bytes)

@@ -12,6 +12,7 @@ struct glint_plan {
     uint64_t called;    // rows that scene and job call for
     uint64_t on;        // those and the forced ones
     uint32_t passes;    // bits 1 << glint_pass
+    uint32_t carries;   // bits 1 << GK_COL_* of the path columns that effects want
     char options[1024]; // -D..., in table order: with the source, the key of the program variant
     size_t film_bytes;  // per pixel
 };

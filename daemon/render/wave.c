@@ -163,6 +163,8 @@ static uint32_t compact(struct run *r, uint32_t n)
     if (kept < n)
         for (uint32_t c = 0; c < GK_COL_MOVED; c++) {
             float *column = columns + (size_t)c * STRIDE;
+            if (c >= GK_COL_TIME && !(r->job->plan->carries >> c & 1))
+                continue;
             for (uint32_t k = 0; k < kept; k++)
                 column[k] = column[survivor[k]];
         }

@@ -190,9 +190,9 @@ void glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t st
     rtcInitIntersectContext(&context); // incoherent: the coherent flag costs 27-51 % on waves
     struct RTCRayHitNp rays = {
         .ray = {COLUMN(GK_COL_OX), COLUMN(GK_COL_OY), COLUMN(GK_COL_OZ), COLUMN(GK_COL_ZERO),
-                COLUMN(GK_COL_DX), COLUMN(GK_COL_DY), COLUMN(GK_COL_DZ), COLUMN(GK_COL_ZERO),
-                COLUMN(GK_COL_T), COLUMN_U32(GK_COL_MASK), COLUMN_U32(GK_COL_ID),
-                COLUMN_U32(GK_COL_ID)},
+                COLUMN(GK_COL_DX), COLUMN(GK_COL_DY), COLUMN(GK_COL_DZ), COLUMN(GK_COL_TIME),
+                COLUMN(GK_COL_T), COLUMN_U32(GK_COL_MASK), COLUMN_U32(GK_COL_PASSAGE),
+                COLUMN_U32(GK_COL_ZERO)},
         .hit = {COLUMN(GK_COL_NX),
                 COLUMN(GK_COL_NY),
                 COLUMN(GK_COL_NZ),
@@ -209,9 +209,10 @@ void glint_geometry_shadow_wave(const glint_geometry *g, float *wave, uint32_t s
 {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    struct RTCRayNp rays = {COLUMN(GK_COL_SOX),      COLUMN(GK_COL_SOY),    COLUMN(GK_COL_SOZ),
-                            COLUMN(GK_COL_ZERO),     COLUMN(GK_COL_SDX),    COLUMN(GK_COL_SDY),
-                            COLUMN(GK_COL_SDZ),      COLUMN(GK_COL_ZERO),   COLUMN(GK_COL_ST),
-                            COLUMN_U32(GK_COL_MASK), COLUMN_U32(GK_COL_ID), COLUMN_U32(GK_COL_ID)};
+    struct RTCRayNp rays = {
+        COLUMN(GK_COL_SOX),      COLUMN(GK_COL_SOY),         COLUMN(GK_COL_SOZ),
+        COLUMN(GK_COL_ZERO),     COLUMN(GK_COL_SDX),         COLUMN(GK_COL_SDY),
+        COLUMN(GK_COL_SDZ),      COLUMN(GK_COL_TIME),        COLUMN(GK_COL_ST),
+        COLUMN_U32(GK_COL_MASK), COLUMN_U32(GK_COL_PASSAGE), COLUMN_U32(GK_COL_ZERO)};
     rtcOccludedNp(g->scene, &context, &rays, n);
 }
