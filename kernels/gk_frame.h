@@ -25,9 +25,22 @@ struct gk_frame {
     gk_u32 has_env_image;       // else `environment` is the radiance everywhere
     gk_u32 has_blackman_harris; // else the filter is a box
     gk_u32 frame;
-    gk_f32 unused[3];
+    gk_u32 is_orthographic; // then right, down and corner are in metres, rays along `forward`
+    gk_f32 origin1[3], right1[3], down1[3], corner1[3], forward1[3]; // when the shutter closes
+    gk_u32 motion_segments; // between the keys of what moves, 0: nothing does
+    gk_u32 light_stride;    // lights from one key to the next, 0: they stand still
+    gk_f32 medium_density;  // 1/m
+    gk_f32 medium_albedo[3];
+    gk_f32 medium_g;
+    gk_f32 medium_low[3],
+        medium_high[3]; // its box, relative to the scene's centre; may be infinite
+    gk_u32 solid;       // GK_COL_SOLID and GK_COL_NESTED at the camera
+    gk_u32 nested[4];
+    gk_f32 to_after[12],
+        to_before[12]; // to (x w, y w, w) in pixels, y down; row-major, a frame off
+    gk_u32 unused;
 };
-GK_LAYOUT(gk_frame, 176);
+GK_LAYOUT(gk_frame, 400);
 
 // Where the lanes of one launch lie in the image.
 // A lane is sample * pixels + pixel; pixels are tiles of 16x16 side by side, row-major in a tile.

@@ -33,6 +33,7 @@ struct gk_hit {
     gk_f32 cos_g;         // of the ray with the front side's geometric normal, signed; > 0: back
     gk_f32 u, v;          // barycentrics of the second and third vertex
     gk_f32 tu, tv;        // texture coordinates
+    gk_f32 eta;           // under GK_NESTED: index beyond the surface over that before it, 0: none
     gk_u32 triangle;      // record
     gk_u32 instance;      // row
     gk_u32 material;
@@ -116,6 +117,7 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
     const GK_GLOBAL struct gk_instance *row = r->instance + hit.instance;
     hit.triangle = row->triangle + raw.primitive;
     hit.material = row->material;
+    hit.eta = 0.0f;
     hit.u = raw.u;
     hit.v = raw.v;
     const GK_GLOBAL struct gk_triangle *tri = r->triangle + hit.triangle;

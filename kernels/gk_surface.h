@@ -42,6 +42,9 @@ GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const st
     s.thin = (m->flags & GK_MATERIAL_THIN) != 0u;
     const gk_i32 leaving = hit->cos_g > 0.0f && s.transmission > 0.0f && !s.thin;
     s.eta = leaving ? 1.0f / m->ior : m->ior;
+#ifdef GK_NESTED
+    s.eta = hit->eta > 0.0f ? hit->eta : s.eta;
+#endif
 #else
     s.transmission = 0.0f;
     s.thin = 0;
