@@ -17,6 +17,7 @@ struct gk_resident {
     const GK_GLOBAL struct gk_turn *turn;
     const GK_GLOBAL struct gk_flow *flow;
     const GK_GLOBAL struct gk_material *material;
+    const GK_GLOBAL gk_u32 *interior; // material by rank - 1 among the prioritised solids
     const GK_GLOBAL gk_f32 *energy; // table of gk_bsdf.h
     struct gk_texture_pools textures;
 };
@@ -32,10 +33,10 @@ struct gk_hit {
     struct gk_vec ng, ns; // unit, world, on the side that the ray came from
     gk_f32 cos_g;         // of the ray with the front side's geometric normal, signed; > 0: back
     gk_f32 u, v;          // barycentrics of the second and third vertex
-    gk_f32 tu, tv;        // texture coordinates
-    gk_f32 eta;           // under GK_NESTED: index beyond the surface over that before it, 0: none
-    gk_u32 triangle;      // record
-    gk_u32 instance;      // row
+    struct gk_coordinates at; // in its textures
+    gk_f32 eta;      // under GK_NESTED: index beyond the surface over that before it, 0: none
+    gk_u32 triangle; // record
+    gk_u32 instance; // row
     gk_u32 material;
 };
 
@@ -44,6 +45,26 @@ GK_INLINE struct gk_vec gk_interpolate3(const GK_GLOBAL gk_f32 *a, gk_f32 u, gk_
     const gk_f32 w = 1.0f - u - v;
     return gk_vec(w * a[0] + u * a[3] + v * a[6], w * a[1] + u * a[4] + v * a[7],
                   w * a[2] + u * a[5] + v * a[8]);
+}
+
+// Texture coordinates at barycentrics (u, v) of a record.
+GK_INLINE struct gk_coordinates gk_coordinates_at(const struct gk_resident *r, gk_u32 triangle,
+                                                  gk_f32 u, gk_f32 v)
+{
+    const GK_GLOBAL gk_f32 *uv = r->triangle[triangle].uv;
+    const gk_f32 w = 1.0f - u - v;
+    struct gk_coordinates at;
+    at.u = w * uv[0] + u * uv[2] + v * uv[4];
+    at.v = w * uv[1] + u * uv[3] + v * uv[5];
+#ifdef GK_UV1
+    const gk_i32 has = (r->triangle[triangle].flags & GK_TRIANGLE_UV1) != 0u;
+    const GK_GLOBAL gk_f32 *uv1 = r->uv1[has ? triangle : 0u].uv;
+    at.u1 = has ? w * uv1[0] + u * uv1[2] + v * uv1[4] : 0.0f;
+    at.v1 = has ? w * uv1[1] + u * uv1[3] + v * uv1[5] : 0.0f;
+#else
+    at.u1 = at.v1 = 0.0f;
+#endif
+    return at;
 }
 
 GK_INLINE struct gk_vec gk_instance_normal(const GK_GLOBAL struct gk_instance *row, struct gk_vec n)
@@ -92,7 +113,7 @@ GK_INLINE struct gk_vec gk_mapped_normal(const struct gk_resident *r, const stru
     struct gk_vec tangent = gk_instance_vector(r->instance + hit->instance, raw);
     tangent = gk_normalise(gk_along(tangent, hit->ns, -gk_dot(tangent, hit->ns)));
     const struct gk_vec bitangent = gk_scale(gk_cross(hit->ns, tangent), t[3]);
-    const struct gk_texel n = gk_texture_fetch(&r->textures, m->normal_texture, hit->tu, hit->tv);
+    const struct gk_texel n = gk_texture_at(&r->textures, m->normal_texture, hit->at);
     const struct gk_vec inner =
         gk_vec((n.r * 2.0f - 1.0f) * m->normal_scale, (n.g * 2.0f - 1.0f) * m->normal_scale,
                gk_max(n.b * 2.0f - 1.0f, 0.0f));
@@ -121,9 +142,7 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
     hit.u = raw.u;
     hit.v = raw.v;
     const GK_GLOBAL struct gk_triangle *tri = r->triangle + hit.triangle;
-    const gk_f32 w = 1.0f - raw.u - raw.v;
-    hit.tu = w * tri->uv[0] + raw.u * tri->uv[2] + raw.v * tri->uv[4];
-    hit.tv = w * tri->uv[1] + raw.u * tri->uv[3] + raw.v * tri->uv[5];
+    hit.at = gk_coordinates_at(r, hit.triangle, raw.u, raw.v);
 
     // As long as its triangle is large: the square of a small one's would underflow.
     const struct gk_vec front = gk_normalise_any(gk_instance_normal(row, raw.ng));

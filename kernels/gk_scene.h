@@ -9,22 +9,26 @@
 
 #define GK_NONE 0xffffffffu
 
+#define GK_TRIANGLE_UV1 1u      // has a gk_uv1; else its second texture coordinates are 0
+#define GK_TRIANGLE_COLOURED 2u // has a gk_colour; else its vertex colours are 1
+
 // Shading record of one triangle; its vertices are Embree's business.
 struct gk_triangle {
     gk_f32 normal[9]; // at the three vertices, in the space of the mesh; all zero: flat
     gk_f32 uv[6];
-    gk_u32 unused;
+    gk_u32 flags; // GK_TRIANGLE_*
 };
 GK_LAYOUT(gk_triangle, 64);
 
-// Second texture coordinates, present only under GK_UV1.
+// Second texture coordinates, present only under GK_UV1; record i is triangle i's.
 struct gk_uv1 {
     gk_f32 uv[6];
     gk_f32 unused[2];
 };
 GK_LAYOUT(gk_uv1, 32);
 
-// Vertex colours, present only under GK_VERTEX_COLOURS: linear rgb and opacity; ones without.
+// Vertex colours, present only under GK_VERTEX_COLOURS: linear rgb and opacity; record i is
+// triangle i's.
 struct gk_colour {
     gk_f32 rgba[12]; // [3 vertices][4]
 };
@@ -94,7 +98,7 @@ struct gk_material {
     gk_f32 opacity, cutoff; // a hole where opacity x texture alpha < cutoff; cutoff 0: none
     gk_u32 base_texture, rough_texture, normal_texture, emission_texture; // GK_NONE: none
     gk_u32 flags;
-    gk_u32 interior;       // GK_PRIORITIES: rank among the nested dielectrics, 1.., 0: none
+    gk_u32 interior;       // rank among the nested dielectrics by (priority, index), 1.., 0: none
     gk_f32 attenuation[3]; // absorption in the solid, 1/m
     gk_f32 collimation;
     gk_f32 specular;
@@ -102,7 +106,8 @@ struct gk_material {
     gk_f32 coat, coat_roughness, coat_normal_scale;
     gk_u32 specular_texture, specular_color_texture, transmission_texture;
     gk_u32 coat_texture, coat_rough_texture, coat_normal_texture;
-    gk_u32 unused[11];
+    gk_u32 ranked; // not of this material: the one whose rank is this record's index + 1
+    gk_u32 unused[10];
 };
 GK_LAYOUT(gk_material, 192);
 

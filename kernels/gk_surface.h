@@ -11,7 +11,7 @@ GK_INLINE struct gk_vec gk_hit_emission(const struct gk_resident *r, const struc
     const GK_GLOBAL struct gk_material *m = r->material + hit->material;
     struct gk_vec L = gk_vec(m->emission[0], m->emission[1], m->emission[2]);
 #ifdef GK_TEXTURES
-    const struct gk_texel e = gk_texture_fetch(&r->textures, m->emission_texture, hit->tu, hit->tv);
+    const struct gk_texel e = gk_texture_at(&r->textures, m->emission_texture, hit->at);
     L = gk_mul(L, gk_vec(e.r, e.g, e.b));
 #endif
     const gk_i32 shows = hit->cos_g <= 0.0f || (m->flags & GK_MATERIAL_TWO_SIDED_EMISSION) != 0u;
@@ -28,9 +28,8 @@ GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const st
     s.metallic = m->metallic;
     gk_f32 roughness = m->roughness;
 #ifdef GK_TEXTURES
-    const struct gk_texel base = gk_texture_fetch(&r->textures, m->base_texture, hit->tu, hit->tv);
-    const struct gk_texel rough =
-        gk_texture_fetch(&r->textures, m->rough_texture, hit->tu, hit->tv);
+    const struct gk_texel base = gk_texture_at(&r->textures, m->base_texture, hit->at);
+    const struct gk_texel rough = gk_texture_at(&r->textures, m->rough_texture, hit->at);
     s.base = gk_mul(s.base, gk_vec(base.r, base.g, base.b));
     s.metallic *= rough.b;
     roughness *= rough.g;

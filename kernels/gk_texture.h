@@ -19,14 +19,21 @@ struct gk_texel {
     gk_f32 r, g, b, a;
 };
 
+// Where a point lies in the textures of its mesh.
+struct gk_coordinates {
+    gk_f32 u, v;
+    gk_f32 u1, v1; // second set, under GK_UV1
+};
+
 // Coordinate in texels: position of the lower of the two taps, both wrapped, and the weight of the
-// upper. Only multiples of the period are taken off before scaling, so |t| may be large.
+// upper, 0 where the nearest texel is wanted. Only multiples of the period are taken off before
+// scaling, so |t| may be large.
 struct gk_taps {
     gk_i32 lower, upper;
     gk_f32 weight;
 };
 
-GK_INLINE struct gk_taps gk_wrap_taps(gk_f32 t, gk_u32 size, gk_u32 wrap)
+GK_INLINE struct gk_taps gk_wrap_taps(gk_f32 t, gk_u32 size, gk_u32 wrap, gk_i32 nearest)
 {
     const gk_i32 n = (gk_i32)size;
     const gk_f32 whole = gk_floor(t);
@@ -37,12 +44,12 @@ GK_INLINE struct gk_taps gk_wrap_taps(gk_f32 t, gk_u32 size, gk_u32 wrap)
     const gk_f32 unit = wrap == GK_WRAP_REPEAT   ? fraction
                         : wrap == GK_WRAP_MIRROR ? mirrored
                                                  : clamped;
-    const gk_f32 x = unit * (gk_f32)n - 0.5f;
+    const gk_f32 x = unit * (gk_f32)n - (nearest ? 0.0f : 0.5f);
     const gk_f32 floor_x = gk_floor(x);
     struct gk_taps taps;
     taps.lower = (gk_i32)floor_x;
     taps.upper = taps.lower + 1;
-    taps.weight = x - floor_x;
+    taps.weight = nearest ? 0.0f : x - floor_x;
     const gk_i32 below = wrap == GK_WRAP_REPEAT ? n - 1 : 0;
     const gk_i32 above = wrap == GK_WRAP_REPEAT ? 0 : n - 1;
     taps.lower = taps.lower < 0 ? below : taps.lower > n - 1 ? n - 1 : taps.lower;
@@ -98,8 +105,13 @@ GK_INLINE struct gk_texel gk_texture_fetch(const struct gk_texture_pools *p, gk_
     const gk_i32 none = index == GK_NONE;
     const GK_GLOBAL struct gk_texture *t = p->texture + (none ? 0u : index);
     const gk_u32 flags = t->flags, pool = t->pool;
-    const struct gk_taps x = gk_wrap_taps(u, t->width, flags & 3u);
-    const struct gk_taps y = gk_wrap_taps(v, t->height, (flags >> 2) & 3u);
+#ifdef GK_NEAREST_TEXELS
+    const gk_i32 nearest = (flags & GK_TEXTURE_NEAREST) != 0u;
+#else
+    const gk_i32 nearest = 0;
+#endif
+    const struct gk_taps x = gk_wrap_taps(u, t->width, flags & 3u, nearest);
+    const struct gk_taps y = gk_wrap_taps(v, t->height, (flags >> 2) & 3u, nearest);
     const gk_u32 linear = (flags & GK_TEXTURE_SRGB) ? 0u : 256u;
     const gk_u32 b00 = gk_texel_bits(p, pool, gk_texel_index(t, x.lower, y.lower));
     const gk_u32 b10 = gk_texel_bits(p, pool, gk_texel_index(t, x.upper, y.lower));
@@ -115,6 +127,31 @@ GK_INLINE struct gk_texel gk_texture_fetch(const struct gk_texture_pools *p, gk_
     r.b = none ? 1.0f : r.b;
     r.a = none ? 1.0f : r.a;
     return r;
+}
+
+// Texture `index` at a point of a mesh: the record says which coordinates it reads and how it
+// transforms them (KHR_texture_transform).
+GK_INLINE struct gk_texel gk_texture_at(const struct gk_texture_pools *p, gk_u32 index,
+                                        struct gk_coordinates at)
+{
+    gk_f32 u = at.u, v = at.v;
+#if defined(GK_UV1) || defined(GK_TEXTURE_TRANSFORMS)
+    const GK_GLOBAL struct gk_texture *t = p->texture + (index == GK_NONE ? 0u : index);
+#endif
+#ifdef GK_UV1
+    const gk_i32 second = (t->flags & GK_TEXTURE_UV1) != 0u;
+    u = second ? at.u1 : u;
+    v = second ? at.v1 : v;
+#endif
+#ifdef GK_TEXTURE_TRANSFORMS
+    const GK_GLOBAL gk_f32 *m = t->transform;
+    const gk_i32 moved = (t->flags & GK_TEXTURE_TRANSFORMED) != 0u;
+    const gk_f32 moved_u = m[0] * u + m[1] * v + m[2];
+    const gk_f32 moved_v = m[3] * u + m[4] * v + m[5];
+    u = moved ? moved_u : u;
+    v = moved ? moved_v : v;
+#endif
+    return gk_texture_fetch(p, index, u, v);
 }
 
 #endif

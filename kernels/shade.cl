@@ -3,7 +3,9 @@
 // Unbiased path tracing with next-event estimation and multiple importance sampling (Veach 1997).
 // One item per path; every item reads and writes its own columns only.
 #include "kernels/gk_camera.h"
-#include "kernels/gk_light.h"
+#include "kernels/gk_light_grid.h"
+#include "kernels/gk_medium.h"
+#include "kernels/gk_solid.h"
 #include "kernels/gk_surface.h"
 #include "kernels/gk_wave.h"
 
@@ -68,6 +70,21 @@ GK_INLINE struct gk_vec gk_miss_radiance(const __global struct gk_frame *frame,
 #endif
 }
 
+// Probability that a light sample from p which goes to the table takes a light of it.
+GK_INLINE gk_f32 gk_table_choice(const __global struct gk_frame *frame,
+                                 const struct gk_lights *lights, struct gk_vec p, gk_u32 index)
+{
+    const gk_f32 everywhere = gk_light_choice(lights->light + index, frame->lights);
+#ifdef GK_LIGHT_GRID
+    const struct gk_light_grid grid = gk_light_grid_at(frame, lights->cells, p);
+    const gk_f32 here = gk_grid_choice(&grid, index);
+    return grid.clusters > 0u ? here : everywhere;
+#else
+    (void)p;
+    return everywhere;
+#endif
+}
+
 // Radiance emitted at the hit, weighted likewise.
 GK_INLINE struct gk_vec gk_found_emission(const __global struct gk_frame *frame,
                                           const struct gk_resident *scene,
@@ -79,7 +96,8 @@ GK_INLINE struct gk_vec gk_found_emission(const __global struct gk_frame *frame,
     const gk_u32 index = row->light + (hit->triangle - row->triangle);
     const gk_i32 sampled = row->light != GK_NONE && frame->lights > 0u && path->pdf >= 0.0f;
     const __global struct gk_light *light = lights->light + (sampled ? index : 0u);
-    const gk_f32 choice = gk_light_choice(light, frame->lights) * (1.0f - frame->env_choice);
+    const gk_f32 choice =
+        gk_table_choice(frame, lights, path->o, sampled ? index : 0u) * (1.0f - frame->env_choice);
     const gk_f32 pdf = gk_triangle_light_pdf(light, path->t, gk_abs(hit->cos_g), choice);
     const gk_f32 w = sampled ? gk_mis_weight(path->pdf, pdf) : 1.0f;
     return gk_scale(gk_hit_emission(scene, hit), w);
@@ -97,7 +115,8 @@ GK_INLINE struct gk_vec gk_found_emission(const __global struct gk_frame *frame,
 GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame *frame,
                                                  const struct gk_resident *scene,
                                                  const struct gk_lights *lights,
-                                                 struct gk_lane lane, gk_u32 depth, struct gk_vec p)
+                                                 struct gk_lane lane, gk_u32 depth,
+                                                 const struct gk_light_receiver *to)
 {
     gk_f32 choice, keep, u, v;
     gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_CHOICE), &choice,
@@ -110,16 +129,25 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
     const gk_u32 index = gk_alias_choose(lights->alias, frame->lights, scaled, keep);
     const __global struct gk_light *light = lights->light + index;
     const gk_f32 chosen = gk_light_choice(light, frame->lights) * table;
-    struct gk_light_sample s = gk_light_from_table(light, p, chosen, u, v);
+    struct gk_light_sample s = gk_light_from_table(light, to->x, chosen, u, v);
+#ifdef GK_LIGHT_GRID
+    struct gk_light_numbers numbers = {scaled, keep, 0.0f, 0.0f, u, v, 0.0f};
+    gk_f32 unused;
+    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_MEMBER), &numbers.place,
+                 &numbers.other);
+    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_PICK), &numbers.pick,
+                 &unused);
+    const struct gk_light_grid grid = gk_light_grid_at(frame, lights->cells, to->x);
+    const struct gk_light_sample near =
+        gk_light_from_grid(&grid, lights->light, to, table, &numbers);
+    s = gk_light_sample_select(s, near, grid.clusters > 0u);
+#endif
 #ifdef GK_TEXTURES
     const gk_u32 record = s.triangle == GK_NONE ? 0u : s.triangle;
-    const __global gk_f32 *uv = scene->triangle[record].uv;
-    const gk_f32 w = 1.0f - s.u - s.v;
     const gk_u32 texture =
         s.material == GK_NONE ? GK_NONE : scene->material[s.material].emission_texture;
     const struct gk_texel e =
-        gk_texture_fetch(&scene->textures, texture, w * uv[0] + s.u * uv[2] + s.v * uv[4],
-                         w * uv[1] + s.u * uv[3] + s.v * uv[5]);
+        gk_texture_at(&scene->textures, texture, gk_coordinates_at(scene, record, s.u, s.v));
     s.L = gk_mul(s.L, gk_vec(e.r, e.g, e.b));
 #else
     (void)scene;
@@ -154,12 +182,146 @@ struct gk_vertex {
     struct gk_hit hit;
     struct gk_surface surface;
     struct gk_onb onb;         // around the shading normal
-    struct gk_vec wo;          // local
+    struct gk_vec wo;          // on the shading normal's frame
     struct gk_vec front, back; // origins lifted off the surface, on the side of wo and beyond
+    struct gk_vec p;           // where the path turns: on the surface, or in the medium
     struct gk_lane lane;
     gk_i32 missed;
-    gk_i32 scatters; // hit something and has a bounce left
+    gk_i32 in_medium;    // meets the medium before the surface
+    gk_i32 passes;       // the surface is none to this path: it goes straight on
+    gk_i32 scatters;     // meets something and has a bounce left
+    gk_i32 fails;        // cannot be followed: a rejected sample
+    gk_u32 here, there;  // 1 + material of the solid before the surface and beyond, 0: open space
+    gk_u32 solid_beyond; // GK_COL_SOLID beyond the surface
+    struct gk_nested nested, nested_beyond;
 };
+
+// Whether a solid without priority is entered or left where the path crosses the surface.
+GK_INLINE gk_u32 gk_solid_beyond(const struct gk_resident *scene, const struct gk_hit *hit)
+{
+    const GK_GLOBAL struct gk_material *m = scene->material + hit->material;
+    return hit->cos_g <= 0.0f && m->interior == 0u ? hit->material + 1u : 0u;
+}
+
+// The solids around the surface, and whether it is an interface at all.
+GK_INLINE void gk_vertex_solids(const __global float *wave, gk_u32 stride, gk_u32 i,
+                                const struct gk_resident *scene, struct gk_vertex *x)
+{
+    x->passes = 0;
+    x->fails = 0;
+    x->here = x->there = x->solid_beyond = 0u;
+#ifdef GK_SOLIDS
+    x->here = GK_LOAD_U32(GK_COL_SOLID, i);
+    x->there = x->solid_beyond = gk_solid_beyond(scene, &x->hit);
+#endif
+#ifdef GK_NESTED
+    const gk_u32 rank = scene->material[x->hit.material].interior;
+    const gk_i32 known = rank > 0u && !x->missed;
+    x->nested.a = GK_LOAD_U32(GK_COL_NESTED0, i);
+    x->nested.b = GK_LOAD_U32(GK_COL_NESTED1, i);
+    x->nested.c = GK_LOAD_U32(GK_COL_NESTED2, i);
+    x->nested.d = GK_LOAD_U32(GK_COL_NESTED3, i);
+    const struct gk_crossing crossing =
+        gk_nested_cross(scene, x->nested, rank, x->hit.cos_g <= 0.0f);
+    const gk_u32 top = gk_nested_top(x->nested), beyond = gk_nested_top(crossing.after);
+    x->nested_beyond.a = known ? crossing.after.a : x->nested.a;
+    x->nested_beyond.b = known ? crossing.after.b : x->nested.b;
+    x->nested_beyond.c = known ? crossing.after.c : x->nested.c;
+    x->nested_beyond.d = known ? crossing.after.d : x->nested.d;
+    x->hit.eta = known ? crossing.eta : 0.0f;
+    x->passes = known && crossing.nothing;
+    x->fails = known && crossing.overflowing;
+    x->here = top > 0u ? scene->interior[top - 1u] + 1u : x->here;
+    x->there = known ? (beyond > 0u ? scene->interior[beyond - 1u] + 1u : x->there) : x->there;
+#else
+    (void)wave;
+    (void)stride;
+    (void)i;
+    (void)scene;
+#endif
+#ifdef GK_CULL
+    const gk_u32 flags = scene->material[x->hit.material].flags;
+    x->passes = x->passes || (x->path.depth == 0u && !x->missed && x->hit.cos_g > 0.0f &&
+                              (flags & GK_MATERIAL_CULLED) != 0u);
+#endif
+}
+
+// What is left of the path's light at its next turn, and where that is.
+GK_INLINE void gk_vertex_reach(const __global struct gk_frame *frame,
+                               const struct gk_resident *scene, struct gk_vertex *x)
+{
+    x->in_medium = 0;
+#ifdef GK_MEDIUM
+    gk_f32 u, reserved;
+    gk_sample_2d(x->lane.base, x->lane.index, GK_PAIR_BOUNCE(x->path.depth, GK_PAIR_MEDIUM), &u,
+                 &reserved);
+    const gk_f32 length = x->missed ? GK_INFINITY : x->path.t;
+    const gk_f32 t =
+        gk_medium_distance(frame, gk_medium_span(frame, x->path.o, x->path.d, length), u);
+    x->in_medium = x->here == 0u && t < GK_INFINITY;
+    x->passes = x->passes && !x->in_medium;
+    x->p =
+        gk_vec_select(x->p, gk_along(x->path.o, x->path.d, x->in_medium ? t : 0.0f), x->in_medium);
+    const struct gk_vec albedo =
+        gk_vec(frame->medium_albedo[0], frame->medium_albedo[1], frame->medium_albedo[2]);
+    x->path.beta = gk_vec_select(x->path.beta, gk_mul(x->path.beta, albedo), x->in_medium);
+#else
+    (void)frame;
+#endif
+#ifdef GK_SOLIDS
+    const struct gk_vec left =
+        gk_solid_transmittance(scene, x->here, x->missed ? GK_INFINITY : x->path.t);
+    x->path.beta = gk_mul(x->path.beta, left);
+#else
+    (void)scene;
+#endif
+}
+
+// What is left of light over a way that begins at the vertex, on the far side of it or not.
+GK_INLINE struct gk_vec gk_way_transmittance(const __global struct gk_frame *frame,
+                                             const struct gk_resident *scene,
+                                             const struct gk_vertex *x, gk_i32 far_side,
+                                             struct gk_vec o, struct gk_vec d, gk_f32 length)
+{
+    struct gk_vec left = gk_splat(1.0f);
+#ifdef GK_SOLIDS
+    const gk_u32 solid = far_side ? x->there : x->here;
+    left = gk_solid_transmittance(scene, solid, length);
+#else
+    const gk_u32 solid = 0u;
+    (void)scene;
+    (void)x;
+    (void)far_side;
+#endif
+#ifdef GK_MEDIUM
+    const gk_f32 clear = gk_medium_transmittance(frame, o, d, length);
+    left = gk_scale(left, solid == 0u ? clear : 1.0f);
+#else
+    (void)frame;
+    (void)solid;
+    (void)o;
+    (void)d;
+    (void)length;
+#endif
+    return left;
+}
+
+// How the vertex scatters light that it sends to, or receives from, the world direction wi.
+GK_INLINE struct gk_bsdf_value gk_vertex_eval(const __global struct gk_frame *frame,
+                                              const struct gk_vertex *x, struct gk_vec wi,
+                                              struct gk_vec wi_local)
+{
+    struct gk_bsdf_value value = gk_bsdf_eval(&x->surface, x->wo, wi_local);
+#ifdef GK_MEDIUM
+    const gk_f32 phase = gk_phase_eval(frame->medium_g, x->path.d, wi);
+    value.f = gk_vec_select(value.f, gk_splat(phase), x->in_medium);
+    value.pdf = x->in_medium ? phase : value.pdf;
+#else
+    (void)frame;
+    (void)wi;
+#endif
+    return value;
+}
 
 // Stores the shadow ray of a light sample; its contribution counts if nothing is in the way.
 GK_INLINE void gk_sample_light(__global float *wave, gk_u32 stride, gk_u32 i,
@@ -169,29 +331,38 @@ GK_INLINE void gk_sample_light(__global float *wave, gk_u32 stride, gk_u32 i,
 {
 #ifdef GK_LIGHTS
     const struct gk_path *path = &x->path;
-    const struct gk_vec p = gk_along(path->o, path->d, path->t);
-    const struct gk_light_sample s = gk_choose_light(frame, scene, lights, x->lane, path->depth, p);
+    const struct gk_vec p = x->p;
+    const gk_f32 behind = x->surface.transmission > 0.0f ? 1.0f : 0.0f;
+    const struct gk_light_receiver to = {p, x->hit.ns, behind};
+    const struct gk_light_sample s =
+        gk_choose_light(frame, scene, lights, x->lane, path->depth, &to);
     const struct gk_vec wi = gk_to_local(x->onb, s.wi);
-    const struct gk_bsdf_value value = gk_bsdf_eval(&x->surface, x->wo, wi);
+    const struct gk_bsdf_value value = gk_vertex_eval(frame, x, s.wi, wi);
     const gk_f32 side = gk_dot(s.wi, x->hit.ng);
+    const gk_i32 one_side = x->in_medium || side * wi.z > 0.0f;
     const gk_f32 w = s.delta ? 1.0f : gk_mis_weight(s.pdf, value.pdf);
-    const struct gk_vec c = gk_scale(gk_mul(gk_mul(path->beta, value.f), s.L), w / s.pdf);
-    const gk_i32 useful =
-        x->scatters && side * wi.z > 0.0f && gk_max3(c) > 0.0f && s.distance > 0.0f;
-    const struct gk_vec o = gk_vec_select(x->back, x->front, side > 0.0f);
+    const struct gk_vec bright = gk_scale(gk_mul(gk_mul(path->beta, value.f), s.L), w / s.pdf);
+    const struct gk_vec lifted = gk_vec_select(x->back, x->front, side > 0.0f);
+    const struct gk_vec o = gk_vec_select(lifted, p, x->in_medium);
     // From the lifted origin to the same target: with p's distance the ray would overshoot it.
     const gk_i32 finite = s.distance < GK_INFINITY;
     const struct gk_vec to = gk_sub(gk_along(p, s.wi, finite ? s.distance : 0.0f), o);
     const gk_f32 length = gk_sqrt(gk_dot(to, to));
     const struct gk_vec d =
         gk_vec_select(s.wi, gk_scale(to, 1.0f / gk_max(length, 1e-37f)), finite);
+    const gk_f32 reach = finite ? length : GK_INFINITY;
+    const gk_i32 far_side = !x->in_medium && side <= 0.0f;
+    const struct gk_vec c =
+        gk_mul(bright, gk_way_transmittance(frame, scene, x, far_side, o, d, reach));
+    const gk_i32 useful =
+        x->scatters && !x->passes && one_side && gk_max3(c) > 0.0f && s.distance > 0.0f;
     GK_STORE(GK_COL_SOX, i, o.x);
     GK_STORE(GK_COL_SOY, i, o.y);
     GK_STORE(GK_COL_SOZ, i, o.z);
     GK_STORE(GK_COL_SDX, i, d.x);
     GK_STORE(GK_COL_SDY, i, d.y);
     GK_STORE(GK_COL_SDZ, i, d.z);
-    GK_STORE(GK_COL_ST, i, useful ? (finite ? length : GK_INFINITY) : -GK_INFINITY);
+    GK_STORE(GK_COL_ST, i, useful ? reach : -GK_INFINITY);
     GK_STORE(GK_COL_SR, i, c.x);
     GK_STORE(GK_COL_SG, i, c.y);
     GK_STORE(GK_COL_SB, i, c.z);
@@ -199,45 +370,121 @@ GK_INLINE void gk_sample_light(__global float *wave, gk_u32 stride, gk_u32 i,
 #endif
 }
 
-// Stores the path's next ray, or none.
-GK_INLINE void gk_sample_bsdf(__global float *wave, gk_u32 stride, gk_u32 i,
-                              const __global struct gk_frame *frame, const struct gk_vertex *x)
+// How a path goes on.
+struct gk_next {
+    struct gk_vec o, d;
+    struct gk_vec weight; // of the scattering, before roulette
+    gk_f32 pdf;           // -1: no light sample could have found what it finds
+    gk_i32 crosses;       // goes on beyond the surface
+    gk_i32 possible;
+};
+
+GK_INLINE struct gk_next gk_next_make(const __global struct gk_frame *frame,
+                                      const struct gk_vertex *x, gk_f32 u_lobe)
 {
-    const gk_u32 depth = x->path.depth;
-    gk_f32 u_lobe, u_roulette, u, v;
-    gk_sample_2d(x->lane.base, x->lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LOBE), &u_lobe,
-                 &u_roulette);
-    gk_sample_2d(x->lane.base, x->lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_BSDF), &u, &v);
+    gk_f32 u, v;
+    gk_sample_2d(x->lane.base, x->lane.index, GK_PAIR_BOUNCE(x->path.depth, GK_PAIR_BSDF), &u, &v);
     const struct gk_bsdf_sample s = gk_bsdf_sample(&x->surface, x->wo, u_lobe, u, v);
     const struct gk_bsdf_value value = gk_bsdf_eval(&x->surface, x->wo, s.wi);
     const gk_f32 inverse = value.pdf > 1e-30f ? 1.0f / value.pdf : 0.0f;
-    const struct gk_vec weight = gk_vec_select(gk_scale(value.f, inverse), s.weight, s.delta);
-    const struct gk_vec d = gk_normalise(gk_to_world(x->onb, s.wi));
-    const gk_f32 side = gk_dot(d, x->hit.ng);
-    const gk_f32 strongest = gk_max3(weight);
+    struct gk_next next;
+    next.weight = gk_vec_select(gk_scale(value.f, inverse), s.weight, s.delta);
+    next.d = gk_normalise(gk_to_world(x->onb, s.wi));
+    const gk_f32 side = gk_dot(next.d, x->hit.ng);
+    next.o = gk_vec_select(x->back, x->front, side > 0.0f);
+    next.pdf = s.delta ? -1.0f : value.pdf;
+    next.crosses = side <= 0.0f;
+    next.possible = side * s.wi.z > 0.0f;
+#ifdef GK_MEDIUM
+    const struct gk_vec d = gk_phase_sample(frame->medium_g, x->path.d, u, v);
+    const gk_f32 phase = gk_phase_eval(frame->medium_g, x->path.d, d);
+    next.weight = gk_vec_select(next.weight, gk_splat(1.0f), x->in_medium);
+    next.d = gk_vec_select(next.d, d, x->in_medium);
+    next.o = gk_vec_select(next.o, x->p, x->in_medium);
+    next.pdf = x->in_medium ? (phase > 0.0f ? phase : -1.0f) : next.pdf;
+    next.crosses = next.crosses && !x->in_medium;
+    next.possible = next.possible || x->in_medium;
+#else
+    (void)frame;
+#endif
+    return next;
+}
+
+// A surface that is none: the ray starts again behind it. No light sample reached beyond it.
+GK_INLINE struct gk_next gk_next_straight(const struct gk_vertex *x, struct gk_next next)
+{
+    next.weight = gk_vec_select(next.weight, gk_splat(1.0f), x->passes);
+    next.d = gk_vec_select(next.d, x->path.d, x->passes);
+    next.o = gk_vec_select(next.o, x->back, x->passes);
+    next.pdf = x->passes ? -1.0f : next.pdf;
+    next.crosses = next.crosses || x->passes;
+    next.possible = next.possible || x->passes;
+    return next;
+}
+
+// What the path carries on beyond its ray.
+GK_INLINE void gk_store_carried(__global float *wave, gk_u32 stride, gk_u32 i,
+                                const struct gk_vertex *x, const struct gk_next *next)
+{
+#ifdef GK_SOLIDS
+    const gk_u32 solid = GK_LOAD_U32(GK_COL_SOLID, i);
+    GK_STORE_U32(GK_COL_SOLID, i, next->crosses && !x->passes ? x->solid_beyond : solid);
+#endif
+#ifdef GK_NESTED
+    GK_STORE_U32(GK_COL_NESTED0, i, next->crosses ? x->nested_beyond.a : x->nested.a);
+    GK_STORE_U32(GK_COL_NESTED1, i, next->crosses ? x->nested_beyond.b : x->nested.b);
+    GK_STORE_U32(GK_COL_NESTED2, i, next->crosses ? x->nested_beyond.c : x->nested.c);
+    GK_STORE_U32(GK_COL_NESTED3, i, next->crosses ? x->nested_beyond.d : x->nested.d);
+#endif
+#ifdef GK_BLEND
+    gk_u32 key, reserved;
+    gk_sample_2d_bits(x->lane.base, x->lane.index,
+                      GK_PAIR_BOUNCE(x->path.depth + 1u, GK_PAIR_ALPHA), &key, &reserved);
+    GK_STORE_U32(GK_COL_PASSAGE, i, x->passes ? GK_LOAD_U32(GK_COL_PASSAGE, i) : key);
+#endif
+    (void)wave;
+    (void)stride;
+    (void)i;
+    (void)x;
+    (void)next;
+}
+
+// Stores the path's next ray, or none.
+GK_INLINE void gk_go_on(__global float *wave, gk_u32 stride, gk_u32 i,
+                        const __global struct gk_frame *frame, const struct gk_vertex *x)
+{
+    const gk_u32 depth = x->path.depth;
+    gk_f32 u_lobe, u_roulette;
+    gk_sample_2d(x->lane.base, x->lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LOBE), &u_lobe,
+                 &u_roulette);
+    const struct gk_next next = gk_next_straight(x, gk_next_make(frame, x, u_lobe));
+    const gk_f32 strongest = gk_max3(next.weight);
 
     // One roulette rule for all jobs, blind to mattes: survive with q >= min(1, mean weight).
-    const gk_f32 q = depth >= frame->roulette_start ? gk_min(strongest, 1.0f) : 1.0f;
-    const gk_i32 alive = x->scatters && side * s.wi.z > 0.0f && strongest > 0.0f && u_roulette < q;
-    const struct gk_vec beta = gk_scale(gk_mul(x->path.beta, weight), 1.0f / gk_max(q, 1e-30f));
-    const struct gk_vec o = gk_vec_select(x->back, x->front, side > 0.0f);
-    GK_STORE(GK_COL_OX, i, o.x);
-    GK_STORE(GK_COL_OY, i, o.y);
-    GK_STORE(GK_COL_OZ, i, o.z);
-    GK_STORE(GK_COL_DX, i, d.x);
-    GK_STORE(GK_COL_DY, i, d.y);
-    GK_STORE(GK_COL_DZ, i, d.z);
+    const gk_i32 plays = depth >= frame->roulette_start && !x->passes;
+    const gk_f32 q = plays ? gk_min(strongest, 1.0f) : 1.0f;
+    const gk_i32 alive = (x->scatters || x->passes) && !x->fails && next.possible &&
+                         strongest > 0.0f && u_roulette < q;
+    const struct gk_vec beta =
+        gk_scale(gk_mul(x->path.beta, next.weight), 1.0f / gk_max(q, 1e-30f));
+    GK_STORE(GK_COL_OX, i, next.o.x);
+    GK_STORE(GK_COL_OY, i, next.o.y);
+    GK_STORE(GK_COL_OZ, i, next.o.z);
+    GK_STORE(GK_COL_DX, i, next.d.x);
+    GK_STORE(GK_COL_DY, i, next.d.y);
+    GK_STORE(GK_COL_DZ, i, next.d.z);
     GK_STORE(GK_COL_T, i, alive ? GK_INFINITY : -GK_INFINITY);
     GK_STORE(GK_COL_BETA_R, i, beta.x);
     GK_STORE(GK_COL_BETA_G, i, beta.y);
     GK_STORE(GK_COL_BETA_B, i, beta.z);
-    GK_STORE(GK_COL_PDF, i, s.delta ? -1.0f : value.pdf);
-    GK_STORE_U32(GK_COL_DEPTH, i, depth + 1u);
+    GK_STORE(GK_COL_PDF, i, next.pdf);
+    GK_STORE_U32(GK_COL_DEPTH, i, depth + (x->passes ? 0u : 1u));
     GK_STORE_U32(GK_COL_GEOMETRY, i, GK_NONE);
     GK_STORE_U32(GK_COL_INSTANCE, i, GK_NONE);
+    gk_store_carried(wave, stride, i, x, &next);
 }
 
-// The first hit of a camera ray, for mattes, alpha and AOVs.
+// The first surface behind the pixel, for mattes, alpha and AOVs; a medium hides nothing from them.
 GK_INLINE void gk_store_first_hit(__global float *wave, gk_u32 stride,
                                   const __global struct gk_frame *frame,
                                   const struct gk_resident *scene, const struct gk_vertex *x)
@@ -248,7 +495,9 @@ GK_INLINE void gk_store_first_hit(__global float *wave, gk_u32 stride,
     GK_STORE_U32(GK_COL_KEY, lane, key);
 #ifdef GK_AOVS
     const struct gk_vec forward = gk_vec(frame->forward[0], frame->forward[1], frame->forward[2]);
-    GK_STORE(GK_COL_Z, lane, missed ? 1e30f : x->path.t * gk_dot(x->path.d, forward));
+    const struct gk_vec eye = gk_vec(frame->origin[0], frame->origin[1], frame->origin[2]);
+    const struct gk_vec p = gk_along(x->path.o, x->path.d, missed ? 0.0f : x->path.t);
+    GK_STORE(GK_COL_Z, lane, missed ? 1e30f : gk_dot(gk_sub(p, eye), forward));
     GK_STORE(GK_COL_FNX, lane, missed ? 0.0f : x->hit.ns.x);
     GK_STORE(GK_COL_FNY, lane, missed ? 0.0f : x->hit.ns.y);
     GK_STORE(GK_COL_FNZ, lane, missed ? 0.0f : x->hit.ns.z);
@@ -260,16 +509,19 @@ GK_INLINE void gk_store_first_hit(__global float *wave, gk_u32 stride,
 #endif
 }
 
-// Light that the path's last direction found: emitted at the hit, or from beyond the scene.
+// Light that the path's last direction found: emitted at the hit, or from beyond the scene. A
+// sample that cannot be followed is marked as one to reject.
 GK_INLINE void gk_add_found(__global float *wave, gk_u32 stride,
                             const __global struct gk_frame *frame, const struct gk_resident *scene,
                             const struct gk_lights *lights, const struct gk_vertex *x)
 {
     const struct gk_vec emitted = gk_found_emission(frame, scene, lights, &x->path, &x->hit);
     const struct gk_vec beyond = gk_miss_radiance(frame, lights, &x->path);
-    const struct gk_vec seen = gk_mul(x->path.beta, gk_vec_select(emitted, beyond, x->missed));
+    const struct gk_vec found = gk_mul(x->path.beta, gk_vec_select(emitted, beyond, x->missed));
+    const struct gk_vec seen = gk_vec_select(found, gk_splat(0.0f), x->in_medium || x->passes);
+    const gk_f32 failed = x->fails ? GK_INFINITY : 0.0f;
     const gk_u32 lane = x->path.lane;
-    GK_STORE(GK_COL_LR, lane, GK_LOAD(GK_COL_LR, lane) + seen.x);
+    GK_STORE(GK_COL_LR, lane, GK_LOAD(GK_COL_LR, lane) + seen.x + failed);
     GK_STORE(GK_COL_LG, lane, GK_LOAD(GK_COL_LG, lane) + seen.y);
     GK_STORE(GK_COL_LB, lane, GK_LOAD(GK_COL_LB, lane) + seen.z);
 }
@@ -287,17 +539,19 @@ GK_INLINE struct gk_vertex gk_vertex_load(const __global float *wave, gk_u32 str
     raw.geometry = x.missed ? 0u : raw.geometry;
     raw.instance = x.missed ? GK_NONE : raw.instance;
     raw.primitive = x.missed ? 0u : raw.primitive;
+    x.lane = gk_lane_at(rect, x.path.lane, frame->seed);
     x.hit = gk_hit_decode(scene, raw, x.path.d);
+    gk_vertex_solids(wave, stride, i, scene, &x);
     x.onb = gk_onb_make(x.hit.ns);
     x.wo = gk_to_local(x.onb, gk_negate(x.path.d));
     x.wo.z = gk_max(x.wo.z, 1e-6f);
     x.surface = gk_hit_surface(scene, &x.hit, gk_min(x.wo.z, 1.0f));
-    const struct gk_vec p = gk_along(x.path.o, x.path.d, x.path.t);
-    const gk_f32 lift = gk_point_error(p, x.path.t);
-    x.front = gk_along(p, x.hit.ng, lift);
-    x.back = gk_along(p, x.hit.ng, -lift);
-    x.lane = gk_lane_at(rect, x.path.lane, frame->seed);
-    x.scatters = !x.missed && x.path.depth < frame->max_bounces;
+    x.p = gk_along(x.path.o, x.path.d, x.path.t);
+    const gk_f32 lift = gk_point_error(x.p, x.path.t);
+    x.front = gk_along(x.p, x.hit.ng, lift);
+    x.back = gk_along(x.p, x.hit.ng, -lift);
+    gk_vertex_reach(frame, scene, &x);
+    x.scatters = (!x.missed || x.in_medium) && x.path.depth < frame->max_bounces;
     return x;
 }
 
@@ -354,9 +608,9 @@ __kernel void shade_surface(
     const struct gk_lights lights = {light_table, alias, light_cells,
                                      gk_environment_of(frame, env_texels, env_cells)};
     const struct gk_vertex x = gk_vertex_load(wave, stride, i, frame, rect, &scene);
-    if (x.path.depth == 0u)
+    if (x.path.depth == 0u && !x.passes)
         gk_store_first_hit(wave, stride, frame, &scene, &x);
     gk_add_found(wave, stride, frame, &scene, &lights, &x);
     gk_sample_light(wave, stride, i, frame, &scene, &lights, &x);
-    gk_sample_bsdf(wave, stride, i, frame, &x);
+    gk_go_on(wave, stride, i, frame, &x);
 }
