@@ -104,6 +104,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/render/render.h \
 	daemon/render/resolve.c \
 	daemon/render/size.c \
+	daemon/render/view.c \
 	daemon/render/wave.c \
 	daemon/render/wave.h \
 	daemon/scene/alias.c \

@@ -48,15 +48,20 @@ static uint64_t *list_news(const glint_render *render, uint64_t cursor, size_t *
 }
 
 static glint_status encode_tile(const struct glint_job_view *view, uint32_t tile, uint8_t **bytes,
-                                size_t *size, uint32_t *samples, struct glint_error *err)
+                                struct glint_multipart_head *head, struct glint_error *err)
 {
     static const struct glint_exr_options options = {
         .compression = GLINT_EXR_ZIP, .layout = GLINT_EXR_SINGLE, .zip_level = ZIP_LEVEL};
     struct glint_frame *frame = NULL;
     uint64_t version;
-    glint_status st = glint_render_tile(view->render, tile, &frame, samples, &version, err);
+    uint32_t samples = 0;
+    size_t size = 0;
+    glint_status st =
+        glint_render_tile(view->render, tile, &frame, &samples, &version, head->revision, err);
     if (!st)
-        st = glint_exr_write(frame, &options, bytes, size, NULL, err);
+        st = glint_exr_write(frame, &options, bytes, &size, NULL, err);
+    head->length = size;
+    head->samples = samples;
     glint_frame_destroy(&frame);
     return st;
 }
@@ -84,18 +89,13 @@ static struct glint_blob *make_part(struct tiles *s, const struct glint_job_view
         .type = "image/x-exr", .has_tile = true, .sequence = s->cursor};
     struct glint_error err = {0};
     uint8_t *body = NULL;
-    size_t size = 0;
-    uint32_t samples = 0;
-    if (encode_tile(view, tile, &body, &size, &samples, &err)) {
+    if (encode_tile(view, tile, &body, &head, &err)) {
         glint_log(GLINT_LOG_WARNING, "http", s->job, NULL, "tile stream ends: %s",
                   glint_error_text(&err));
         glint_error_finish(&err);
         return NULL;
     }
-    head.length = size;
-    head.samples = samples;
     glint_render_tile_rect(view->render, tile, head.tile);
-    strncpy(head.revision, view->revision, sizeof head.revision - 1);
     return join(&head, body);
 }
 

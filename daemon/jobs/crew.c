@@ -66,7 +66,7 @@ static void *prepare(void *arg)
         // Relaxed: a hint that saves work; the scheduler decides what becomes of the answer.
         if (!atomic_load_explicit(&entry->abandoned, memory_order_relaxed))
             answer.status = glint_render_create(&answer.render, m->devices,
-                                                glint_revision_resident(entry->revision),
+                                                glint_revision_resident(entry->revision), NULL,
                                                 entry->job, &answer.error);
         if (atomic_load_explicit(&entry->abandoned, memory_order_relaxed))
             glint_render_destroy(&answer.render);

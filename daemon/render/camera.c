@@ -25,7 +25,7 @@ static void axes_of(const struct glint_camera *c, struct axes *a)
         a->position[k] = c->transform[12 + k];
 }
 
-static void fill_camera(const struct glint_render *r, struct gk_frame *f)
+static void fill_camera(const struct glint_view *r, struct gk_frame *f)
 {
     struct axes a;
     double centre[3];
@@ -46,7 +46,7 @@ static void fill_camera(const struct glint_render *r, struct gk_frame *f)
     f->has_lens = r->camera.lens_radius > 0.0f;
 }
 
-static void fill_lighting(const struct glint_render *r, struct gk_frame *f)
+static void fill_lighting(const struct glint_view *r, struct gk_frame *f)
 {
     const struct glint_scene_lighting *l = glint_resident_lighting(r->scene);
     f->lights = l->lights;
@@ -64,7 +64,7 @@ static void fill_lighting(const struct glint_render *r, struct gk_frame *f)
 // Bounces before roulette: the first ones carry most of a picture.
 #define ROULETTE_START 3u
 
-void glint_render_constants(const struct glint_render *r, struct gk_frame *out)
+void glint_render_constants(const struct glint_view *r, struct gk_frame *out)
 {
     memset(out, 0, sizeof *out);
     fill_camera(r, out);
@@ -79,7 +79,7 @@ void glint_render_constants(const struct glint_render *r, struct gk_frame *out)
     out->roulette_start = r->job.dial[GLINT_DIAL_ROULETTE] == 0 ? UINT32_MAX : ROULETTE_START;
 }
 
-void glint_render_matrices(const struct glint_render *r, float world_to_camera[16],
+void glint_render_matrices(const struct glint_view *r, float world_to_camera[16],
                            float world_to_ndc[16])
 {
     struct axes a;

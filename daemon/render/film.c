@@ -4,11 +4,12 @@
 
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define BUFFER_BYTES ((size_t)1 << 30)
 
 struct tile {
-    uint32_t samples;
+    uint32_t samples, epoch;
     uint16_t readers;
     bool held;
     uint64_t version;
@@ -20,10 +21,11 @@ struct glint_film {
     uint32_t tile_slots; // of tables, 0 without coverage
     uint32_t tiles_per_buffer, buffers;
     glint_buffer **planes, **tables; // [buffers]
-    pthread_mutex_t mutex;           // guards `tile` and `sequence`; no call is made under it
+    pthread_mutex_t mutex; // guards `tile`, `epoch` and `sequence`; no call is made under it
     pthread_cond_t released;
     struct tile *tile;
     uint64_t sequence;
+    uint32_t epoch;
 };
 
 static uint32_t smaller(uint32_t a, uint32_t b)
@@ -31,16 +33,29 @@ static uint32_t smaller(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
-static void clear_depths(const glint_film *f, uint32_t tiles)
+// Of a tile whose memory is zero.
+static void clear_depth(const glint_film *f, uint32_t tile)
 {
-    for (uint32_t t = 0; t < tiles; t++) {
-        struct glint_film_tile at;
-        glint_film_tile(f, t, &at);
-        float *depth = (float *)glint_buffer_host(at.planes) + at.planes_offset +
-                       (GK_PLANES_BASE + GK_AOV_DEPTH) * GK_TILE_PIXELS;
-        for (int i = 0; i < GK_TILE_PIXELS; i++)
-            depth[i] = 1e30f;
-    }
+    struct glint_film_tile at;
+    if (f->tile_words == GK_PLANES_BASE * GK_TILE_PIXELS)
+        return;
+    glint_film_tile(f, tile, &at);
+    float *depth = (float *)glint_buffer_host(at.planes) + at.planes_offset +
+                   (GK_PLANES_BASE + GK_AOV_DEPTH) * GK_TILE_PIXELS;
+    for (int i = 0; i < GK_TILE_PIXELS; i++)
+        depth[i] = 1e30f;
+}
+
+static void clear(const glint_film *f, uint32_t tile)
+{
+    struct glint_film_tile at;
+    glint_film_tile(f, tile, &at);
+    memset((uint32_t *)glint_buffer_host(at.planes) + at.planes_offset, 0,
+           (size_t)f->tile_words * 4);
+    if (at.tables)
+        memset((uint64_t *)glint_buffer_host(at.tables) + at.tables_offset, 0,
+               (size_t)f->tile_slots * 8);
+    clear_depth(f, tile);
 }
 
 static glint_status allocate(glint_film *f, glint_devices *devices, uint32_t tiles,
@@ -89,8 +104,8 @@ glint_status glint_film_create(glint_film **out, glint_devices *devices,
         glint_film_destroy(&f);
         return st;
     }
-    if (aovs)
-        clear_depths(f, tiles);
+    for (uint32_t t = 0; t < tiles; t++)
+        clear_depth(f, t);
     *out = f;
     return GLINT_OK;
 }
@@ -167,13 +182,42 @@ void glint_film_release(glint_film *f, uint32_t column, uint32_t row, uint32_t w
     pthread_mutex_unlock(&f->mutex);
 }
 
-uint32_t glint_film_read_begin(glint_film *f, uint32_t tile)
+// Whether the held tile has to be emptied, which the caller does.
+static bool outdated(glint_film *f, uint32_t tile)
+{
+    pthread_mutex_lock(&f->mutex);
+    struct tile *t = &f->tile[tile];
+    const bool old = t->epoch != f->epoch;
+    t->samples = old ? 0 : t->samples;
+    t->epoch = f->epoch;
+    pthread_mutex_unlock(&f->mutex);
+    return old;
+}
+
+void glint_film_prepare(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h)
+{
+    const uint32_t right = smaller(column + w, f->columns), bottom = smaller(row + h, f->rows);
+    for (uint32_t y = row; y < bottom; y++)
+        for (uint32_t x = column; x < right; x++)
+            if (outdated(f, y * f->columns + x))
+                clear(f, y * f->columns + x);
+}
+
+uint32_t glint_film_restart(glint_film *f)
+{
+    pthread_mutex_lock(&f->mutex);
+    const uint32_t epoch = ++f->epoch;
+    pthread_mutex_unlock(&f->mutex);
+    return epoch;
+}
+
+uint32_t glint_film_read_begin(glint_film *f, uint32_t tile, uint32_t epoch)
 {
     pthread_mutex_lock(&f->mutex);
     while (f->tile[tile].held)
         pthread_cond_wait(&f->released, &f->mutex);
     f->tile[tile].readers++;
-    const uint32_t samples = f->tile[tile].samples;
+    const uint32_t samples = f->tile[tile].epoch == epoch ? f->tile[tile].samples : 0;
     pthread_mutex_unlock(&f->mutex);
     return samples;
 }
@@ -189,7 +233,7 @@ void glint_film_read_end(glint_film *f, uint32_t tile)
 uint32_t glint_film_samples(glint_film *f, uint32_t tile)
 {
     pthread_mutex_lock(&f->mutex);
-    const uint32_t samples = f->tile[tile].samples;
+    const uint32_t samples = f->tile[tile].epoch == f->epoch ? f->tile[tile].samples : 0;
     pthread_mutex_unlock(&f->mutex);
     return samples;
 }
@@ -201,8 +245,9 @@ uint64_t glint_film_version(glint_film *f, uint32_t column, uint32_t row, uint32
     pthread_mutex_lock(&f->mutex);
     for (uint32_t y = row; y < bottom; y++)
         for (uint32_t x = column; x < right; x++) {
-            const uint64_t version = f->tile[y * f->columns + x].version;
-            newest = version > newest ? version : newest;
+            const struct tile *t = &f->tile[y * f->columns + x];
+            if (t->epoch == f->epoch && t->samples && t->version > newest)
+                newest = t->version;
         }
     pthread_mutex_unlock(&f->mutex);
     return newest;

@@ -3,7 +3,11 @@
 // A tile is held by one worker while a slice renders into it, or read by any number of readers, or
 // free. Nobody waits for a render but a reader, and that for at most one slice.
 //
-// Threads: hold/release by whoever hands out slices; read by any thread.
+// A film that starts again is in a new epoch: what its tiles hold of older ones is not seen any
+// more, and is cleared by the worker that first renders into them.
+//
+// Threads: hold/release/restart by whoever hands out slices; prepare by the worker that holds the
+// tiles; read by any thread.
 #ifndef GLINT_RENDER_FILM_H
 #define GLINT_RENDER_FILM_H
 
@@ -38,13 +42,20 @@ void glint_film_hold(glint_film *film, uint32_t column, uint32_t row, uint32_t w
 void glint_film_release(glint_film *film, uint32_t column, uint32_t row, uint32_t w, uint32_t h,
                         uint32_t samples);
 
-// Locks a tile for reading: waits while it is held. Returns its number of samples.
-uint32_t glint_film_read_begin(glint_film *film, uint32_t tile);
+// Empties those of the held tiles that are of an older epoch.
+void glint_film_prepare(glint_film *film, uint32_t column, uint32_t row, uint32_t w, uint32_t h);
+
+// Begins a new epoch and returns it; the first is 0. No tile may be held.
+uint32_t glint_film_restart(glint_film *film);
+
+// Locks a tile for reading: waits while it is held. Returns its number of samples; 0 where those
+// are of another epoch.
+uint32_t glint_film_read_begin(glint_film *film, uint32_t tile, uint32_t epoch);
 void glint_film_read_end(glint_film *film, uint32_t tile);
 
 uint32_t glint_film_samples(glint_film *film, uint32_t tile);
 // Of the tiles [column, column + w) x [row, row + h), clipped to the film: grows with every release
-// that added samples to one of them; 0 before the first.
+// that added samples to one of them; 0 before the first of the epoch.
 uint64_t glint_film_version(glint_film *film, uint32_t column, uint32_t row, uint32_t w,
                             uint32_t h);
 

@@ -24,19 +24,33 @@ struct glint_pass_state {
     uint32_t redos;
 };
 
-struct glint_render {
-    struct glint_devices *devices;
-    glint_resident *scene; // retained
-    struct glint_job job;  // a copy that borrows the strings
-    char *name;
+// What is rendered, seen from where, by which program. Immutable; counted: a reader holds the one
+// that its pixels belong to while the render moves on.
+struct glint_view {
+    atomic_uint references;
+    glint_render *render;          // outlives it
+    glint_resident *scene;         // retained
+    const struct glint_pose *pose; // lives as long as `scene`; NULL: everything at rest
+    struct glint_job job;          // a copy that borrows the strings
     struct glint_camera camera;
     struct glint_plan plan;
     glint_program *program;
     glint_buffer *frame;
     struct glint_wave_job wave_job;
+    glint_film *film; // the render's
+    uint32_t epoch;   // of the film
+};
+
+struct glint_render {
+    struct glint_devices *devices;
+    struct glint_job job; // a copy; strings other than the name are not used again
+    char *name;
     glint_film *film;
     glint_wave **wave;           // [workers], each made and used by its worker alone
     _Atomic(double) *tile_error; // [film tiles], sums over the pixels of v/(m^2+0.01)
+    // Replaced under the mutex by whoever hands out slices, while none is out: it and the workers
+    // that hold slices read it without.
+    struct glint_view *view;
 
     pthread_mutex_t mutex; // guards what follows
     struct glint_pass_state pass;
@@ -48,21 +62,31 @@ struct glint_render {
     uint32_t points;
 };
 
+// Plan, program and constants for the job in `scene`; the film is added by the render. Compiles
+// where `like`, which may be NULL, has another program.
+glint_status glint_view_create(struct glint_view **out, glint_render *render, glint_resident *scene,
+                               const struct glint_pose *pose, const struct glint_job *job,
+                               const struct glint_view *like, uint64_t force,
+                               struct glint_error *err);
+// The render's view now, retained.
+struct glint_view *glint_view_hold(glint_render *render);
+
 // As glint_render_create(), with rows of the effects table forced on: for tests and benches.
 glint_status glint_render_create_forced(glint_render **out, struct glint_devices *devices,
-                                        struct glint_resident *scene, const struct glint_job *job,
-                                        uint64_t force, struct glint_error *err);
+                                        struct glint_resident *scene, const struct glint_pose *pose,
+                                        const struct glint_job *job, uint64_t force,
+                                        struct glint_error *err);
 
 // Fills the frame constants from the camera, the job and the scene's lighting.
-void glint_render_constants(const struct glint_render *r, struct gk_frame *out);
+void glint_render_constants(const struct glint_view *r, struct gk_frame *out);
 
 // worldToCamera and worldToNDC of CONVENTIONS b, row-major.
-void glint_render_matrices(const struct glint_render *r, float world_to_camera[16],
+void glint_render_matrices(const struct glint_view *r, float world_to_camera[16],
                            float world_to_ndc[16]);
 
 // Adds the attributes that every frame has, CONVENTIONS b; `samples`: the fewest of its pixels.
 // GLINT_E_NOMEM: some are missing.
-glint_status glint_render_attributes(struct glint_render *r, struct glint_frame *f,
+glint_status glint_render_attributes(const struct glint_view *r, struct glint_frame *f,
                                      uint32_t samples);
 
 #endif

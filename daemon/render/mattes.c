@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool has_coverage(const struct glint_render *r)
+static bool has_coverage(const struct glint_view *r)
 {
     return glint_plan_has(&r->plan, GLINT_PASS_COVERAGE);
 }
@@ -27,10 +27,10 @@ struct tables {
     uint32_t samples;
 };
 
-typedef void visit_tables(const struct glint_render *r, const struct tables *t, void *user);
+typedef void visit_tables(const struct glint_view *r, const struct tables *t, void *user);
 
 // Returns the fewest samples of a tile.
-static uint32_t each_tile(struct glint_render *r, visit_tables *visit, void *user)
+static uint32_t each_tile(const struct glint_view *r, visit_tables *visit, void *user)
 {
     const uint32_t columns = glint_film_columns(r->film), rows = glint_film_rows(r->film);
     uint32_t fewest = UINT32_MAX;
@@ -41,7 +41,7 @@ static uint32_t each_tile(struct glint_render *r, visit_tables *visit, void *use
         t.table = (const uint64_t *)glint_buffer_host(at.tables) + at.tables_offset;
         t.w = r->job.region[2] - t.x < GK_TILE_SIDE ? r->job.region[2] - t.x : GK_TILE_SIDE;
         t.h = r->job.region[3] - t.y < GK_TILE_SIDE ? r->job.region[3] - t.y : GK_TILE_SIDE;
-        t.samples = glint_film_read_begin(r->film, tile);
+        t.samples = glint_film_read_begin(r->film, tile, r->epoch);
         if (t.samples)
             visit(r, &t, user);
         glint_film_read_end(r->film, tile);
@@ -55,7 +55,7 @@ struct totals {
     double lost;
 };
 
-static void add_totals(const struct glint_render *r, const struct tables *t, void *user)
+static void add_totals(const struct glint_view *r, const struct tables *t, void *user)
 {
     struct totals *sum = user;
     const uint32_t slots = r->job.matte_slots;
@@ -96,12 +96,26 @@ static size_t collect(const struct glint_resident *scene, enum glint_matte_layer
     return kept;
 }
 
-glint_status glint_render_mattes(glint_render *r, enum glint_matte_layer layer,
-                                 struct glint_matte_total **out, size_t *count, double *lost,
-                                 struct glint_error *err)
+// A copy of the list in one block with its names, which outlives the scene; NULL without memory.
+static struct glint_matte_total *with_names(const struct glint_matte_total *list, size_t count)
 {
-    *out = NULL;
-    *count = 0;
+    size_t bytes = (count + 1) * sizeof *list;
+    for (size_t i = 0; i < count; i++)
+        bytes += strlen(list[i].name) + 1;
+    struct glint_matte_total *out = malloc(bytes);
+    char *name = (char *)(out + count + 1);
+    for (size_t i = 0; out && i < count; i++) {
+        out[i] = list[i];
+        out[i].name = name;
+        name = stpcpy(name, list[i].name) + 1;
+    }
+    return out;
+}
+
+static glint_status add_up(const struct glint_view *r, enum glint_matte_layer layer,
+                           struct glint_matte_total **out, size_t *count, double *lost,
+                           struct glint_error *err)
+{
     if (!has_coverage(r))
         return no_coverage(err);
     const struct glint_matte_key *keys;
@@ -116,9 +130,10 @@ glint_status glint_render_mattes(glint_render *r, enum glint_matte_layer layer,
     each_tile(r, add_totals, &sum);
     *count = collect(r->scene, layer, sum.key, list);
     *lost = sum.lost;
-    *out = list;
+    *out = with_names(list, *count);
     free(sum.key);
-    return GLINT_OK;
+    free(list);
+    return *out ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u mattes", n);
 }
 
 struct selection {
@@ -126,7 +141,7 @@ struct selection {
     float *plane;
 };
 
-static void add_selected(const struct glint_render *r, const struct tables *t, void *user)
+static void add_selected(const struct glint_view *r, const struct tables *t, void *user)
 {
     const struct selection *of = user;
     const uint32_t slots = r->job.matte_slots;
@@ -160,7 +175,8 @@ static glint_status select_names(const struct glint_resident *scene, enum glint_
     return st;
 }
 
-static glint_status fill_matte(glint_render *r, const bool *selected, struct glint_frame *f)
+static glint_status fill_matte(const struct glint_view *r, const bool *selected,
+                               struct glint_frame *f)
 {
     struct selection of = {selected, glint_frame_channel(f, "A", GLINT_PIXEL_FLOAT)};
     if (!of.plane)
@@ -168,11 +184,10 @@ static glint_status fill_matte(glint_render *r, const bool *selected, struct gli
     return glint_render_attributes(r, f, each_tile(r, add_selected, &of));
 }
 
-glint_status glint_render_matte(glint_render *r, enum glint_matte_layer layer,
-                                const char *const *names, size_t count, struct glint_frame **out,
-                                struct glint_error *err)
+static glint_status unite(const struct glint_view *r, enum glint_matte_layer layer,
+                          const char *const *names, size_t count, struct glint_frame **out,
+                          struct glint_error *err)
 {
-    *out = NULL;
     if (!has_coverage(r))
         return no_coverage(err);
     const struct glint_matte_key *keys;
@@ -189,5 +204,28 @@ glint_status glint_render_matte(glint_render *r, enum glint_matte_layer layer,
         glint_frame_destroy(out);
     }
     free(selected);
+    return st;
+}
+
+glint_status glint_render_mattes(glint_render *render, enum glint_matte_layer layer,
+                                 struct glint_matte_total **out, size_t *count, double *lost,
+                                 struct glint_error *err)
+{
+    *out = NULL;
+    *count = 0;
+    struct glint_view *view = glint_view_hold(render);
+    const glint_status st = add_up(view, layer, out, count, lost, err);
+    glint_view_release(&view);
+    return st;
+}
+
+glint_status glint_render_matte(glint_render *render, enum glint_matte_layer layer,
+                                const char *const *names, size_t count, struct glint_frame **out,
+                                struct glint_error *err)
+{
+    *out = NULL;
+    struct glint_view *view = glint_view_hold(render);
+    const glint_status st = unite(view, layer, names, count, out, err);
+    glint_view_release(&view);
     return st;
 }

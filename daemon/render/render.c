@@ -3,7 +3,6 @@
 
 #include "base/clock.h"
 #include "kernels/gk_film.h"
-#include "kernels/gk_matte.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,23 +11,6 @@
 static bool wide(const struct glint_render *r)
 {
     return r->job.dial[GLINT_DIAL_PRECISION] == 0;
-}
-
-static glint_status choose_camera(struct glint_render *r, struct glint_error *err)
-{
-    const struct glint_scene *s = glint_resident_scene(r->scene);
-    if (r->job.has_camera) {
-        r->camera = r->job.camera;
-        return GLINT_OK;
-    }
-    for (uint32_t i = 0; i < s->cameras; i++)
-        if (!r->job.camera_name || strcmp(s->camera[i].name, r->job.camera_name) == 0 ||
-            strcmp(s->camera[i].id, r->job.camera_name) == 0) {
-            r->camera = s->camera[i];
-            return GLINT_OK;
-        }
-    return glint_fail(err, GLINT_E_RANGE, "/camera", "the scene has no camera \"%s\"",
-                      r->job.camera_name ? r->job.camera_name : "");
 }
 
 // Copies what the render needs of the job; strings other than the name are not used again.
@@ -40,7 +22,7 @@ static glint_status copy_job(struct glint_render *r, const struct glint_job *job
     r->job.name = r->name;
     if (!r->name)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a render");
-    return choose_camera(r, err);
+    return GLINT_OK;
 }
 
 static void pass_begin(struct glint_render *r, uint32_t sample)
@@ -56,43 +38,30 @@ static void pass_begin(struct glint_render *r, uint32_t sample)
     p->next = p->done = p->redos = 0;
 }
 
-static glint_status prepare(struct glint_render *r, uint64_t force, struct glint_error *err)
+static glint_status prepare(struct glint_render *r, glint_resident *scene,
+                            const struct glint_pose *pose, uint64_t force, struct glint_error *err)
 {
-    const struct glint_effect_input in = {glint_resident_facts(r->scene), &r->job, &r->camera};
-    const bool robust = r->job.dial[GLINT_DIAL_TRAVERSAL] == 0;
-    glint_plan_make(&r->plan, &in, force);
-    glint_status st = glint_program_get(&r->program, r->devices, r->plan.options, err);
+    glint_status st = glint_view_create(&r->view, r, scene, pose, &r->job, NULL, force, err);
     if (!st)
-        st = glint_resident_geometry(r->scene, GLINT_GEOMETRY_FLAT, robust, &r->wave_job.geometry,
-                                     err);
-    if (!st)
-        st = glint_film_create(&r->film, r->devices, &r->plan, &r->job, err);
-    if (!st)
-        st = glint_buffer_create(&r->frame, r->devices, sizeof(struct gk_frame), err);
+        st = glint_film_create(&r->film, r->devices, &r->view->plan, &r->job, err);
     if (st)
         return st;
     const size_t tiles = (size_t)glint_film_columns(r->film) * glint_film_rows(r->film);
+    r->view->film = r->film;
     r->wave = calloc(glint_devices_workers(r->devices), sizeof *r->wave);
     r->tile_error = calloc(tiles, sizeof *r->tile_error);
     r->pass.redo = calloc(tiles, sizeof *r->pass.redo);
     if (!r->wave || !r->tile_error || !r->pass.redo)
         return glint_fail(err, GLINT_E_NOMEM, "/resolution", "no memory for %zu tiles", tiles);
-    glint_render_constants(r, glint_buffer_host(r->frame));
-    r->wave_job.plan = &r->plan;
-    r->wave_job.program = r->program;
-    r->wave_job.scene = r->scene;
-    r->wave_job.frame = r->frame;
-    r->wave_job.matte_slots = r->job.matte_slots;
-    r->wave_job.matte_policy =
-        r->job.dial[GLINT_DIAL_EVICTION] == 0 ? GK_MATTE_DROP : GK_MATTE_DIRECT_FIRST;
     r->target = r->job.stop.samples;
     pass_begin(r, 0);
-    return glint_wave_compile(r->devices, &r->wave_job, err);
+    return GLINT_OK;
 }
 
 glint_status glint_render_create_forced(glint_render **out, struct glint_devices *devices,
-                                        struct glint_resident *scene, const struct glint_job *job,
-                                        uint64_t force, struct glint_error *err)
+                                        struct glint_resident *scene, const struct glint_pose *pose,
+                                        const struct glint_job *job, uint64_t force,
+                                        struct glint_error *err)
 {
     *out = NULL;
     struct glint_render *r = calloc(1, sizeof *r);
@@ -100,10 +69,9 @@ glint_status glint_render_create_forced(glint_render **out, struct glint_devices
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a render");
     pthread_mutex_init(&r->mutex, NULL);
     r->devices = devices;
-    r->scene = glint_resident_retain(scene);
     glint_status st = copy_job(r, job, err);
     if (!st)
-        st = prepare(r, force, err);
+        st = prepare(r, scene, pose, force, err);
     if (st)
         glint_render_destroy(&r);
     *out = r;
@@ -111,10 +79,45 @@ glint_status glint_render_create_forced(glint_render **out, struct glint_devices
 }
 
 glint_status glint_render_create(glint_render **out, struct glint_devices *devices,
-                                 struct glint_resident *scene, const struct glint_job *job,
-                                 struct glint_error *err)
+                                 struct glint_resident *scene, const struct glint_pose *pose,
+                                 const struct glint_job *job, struct glint_error *err)
 {
-    return glint_render_create_forced(out, devices, scene, job, 0, err);
+    return glint_render_create_forced(out, devices, scene, pose, job, 0, err);
+}
+
+glint_status glint_render_move(glint_view **out, glint_render *r, struct glint_resident *scene,
+                               const struct glint_pose *pose, const struct glint_job *job,
+                               struct glint_error *err)
+{
+    struct glint_view *now = glint_view_hold(r);
+    const glint_status st = glint_view_create(out, r, scene, pose, job, now, 0, err);
+    if (!st)
+        (*out)->film = r->film;
+    glint_view_release(&now);
+    return st;
+}
+
+// What was measured of the old view says nothing of the new one.
+static void forget(struct glint_render *r)
+{
+    const size_t tiles = (size_t)glint_film_columns(r->film) * glint_film_rows(r->film);
+    for (size_t t = 0; t < tiles; t++)
+        atomic_store_explicit(&r->tile_error[t], 0.0, memory_order_relaxed);
+    r->target = r->job.stop.samples;
+    r->stopped = false;
+    r->points = 0;
+}
+
+void glint_render_restart(glint_render *r, glint_view **view)
+{
+    pthread_mutex_lock(&r->mutex);
+    struct glint_view *old = r->view;
+    r->view = *view;
+    r->view->epoch = glint_film_restart(r->film);
+    forget(r);
+    pass_begin(r, 0);
+    pthread_mutex_unlock(&r->mutex);
+    *view = old;
 }
 
 void glint_render_destroy(glint_render **render)
@@ -129,9 +132,7 @@ void glint_render_destroy(glint_render **render)
     free(r->tile_error);
     free(r->pass.redo);
     glint_film_destroy(&r->film);
-    glint_buffer_destroy(&r->frame);
-    glint_program_release(&r->program);
-    glint_resident_release(&r->scene);
+    glint_view_release(&r->view);
     free(r->name);
     pthread_mutex_destroy(&r->mutex);
     free(r);
@@ -230,7 +231,9 @@ glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
                                            s->sample,
                                            s->samples};
     const struct glint_wave_stats before = *glint_wave_stats(*wave);
-    st = glint_wave_run(*wave, worker, &r->wave_job, &block, r->film, err);
+    const uint32_t side = 1u << block.tiles_log2;
+    glint_film_prepare(r->film, block.column, block.row, side, side);
+    st = glint_wave_run(*wave, worker, &r->view->wave_job, &block, r->film, err);
     if (!st && s->sample + s->samples >= 2)
         measure_tiles(r, s);
     add_stats(r, glint_wave_stats(*wave), &before);
@@ -353,6 +356,9 @@ cJSON *glint_render_plan(const glint_render *render)
     pthread_mutex_lock(&r->mutex);
     memcpy(seconds, r->stats.seconds, sizeof seconds);
     pthread_mutex_unlock(&r->mutex);
-    const struct glint_plan_use use = {r->scene, &r->job, seconds, pixels_of(r)};
-    return glint_plan_describe(&r->plan, &use);
+    struct glint_view *view = glint_view_hold(r);
+    const struct glint_plan_use use = {view->scene, &view->job, seconds, pixels_of(r)};
+    cJSON *plan = glint_plan_describe(&view->plan, &use);
+    glint_view_release(&view);
+    return plan;
 }

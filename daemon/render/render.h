@@ -3,9 +3,12 @@
 // The scheduler asks for slices and hands them to workers; a worker runs one and returns; whoever
 // wants pixels takes an immutable snapshot. Nothing here knows of HTTP or of other jobs.
 //
-// Threads: create/destroy by whoever prepares the job (it compiles, seconds in the worst case);
-// take/give_back by the scheduler only; run by the worker that holds the slice; state, frame and
-// matte calls by any thread.
+// A live job's render moves: to another revision of the scene, another camera. It starts again then
+// on the same film; who reads meanwhile gets pixels of one view, never of two.
+//
+// Threads: create/destroy by whoever prepares the job (it compiles, seconds in the worst case), and
+// moves too; take/give_back/restart by the scheduler only; run by the worker that holds the slice;
+// state, frame and matte calls by any thread.
 #ifndef GLINT_RENDER_RENDER_H
 #define GLINT_RENDER_RENDER_H
 
@@ -29,14 +32,28 @@ struct glint_slice {
 // the scene.
 uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struct glint_job *job);
 
-// Compiles the job's program variant and allocates its film. Retains `scene`.
+// Compiles the job's program variant and allocates its film. Retains `scene`. pose: of the frame,
+// the one that `scene` was made with, which lives as long as `scene`; NULL: everything at rest.
 //   GLINT_E_RANGE     the camera is not in the scene, ... (pointers into the job)
 //   GLINT_E_CAPACITY  the film does not fit
 //   GLINT_E_DEVICE    the program does not build; the log is in *err
 glint_status glint_render_create(glint_render **out, struct glint_devices *devices,
-                                 struct glint_resident *scene, const struct glint_job *job,
-                                 struct glint_error *err);
+                                 struct glint_resident *scene, const struct glint_pose *pose,
+                                 const struct glint_job *job, struct glint_error *err);
 void glint_render_destroy(glint_render **render);
+
+// What a live render shows next: made while the old view is still refined, with the program where
+// that is another. `job` is the render's with another camera.
+//   GLINT_E_RANGE, GLINT_E_CAPACITY, GLINT_E_DEVICE  as above; the render is as it was
+typedef struct glint_view glint_view;
+glint_status glint_render_move(glint_view **out, glint_render *render, struct glint_resident *scene,
+                               const struct glint_pose *pose, const struct glint_job *job,
+                               struct glint_error *err);
+void glint_view_release(glint_view **view);
+
+// Shows *view from now on, from the first sample on. No slice may be out. *view is then the old
+// one, the caller's to release: that may free a scene, which takes a while.
+void glint_render_restart(glint_render *render, glint_view **view);
 
 // The next slice nobody has, or false: all samples taken, or the pass waits for slices out.
 // A job that stops by error takes its decision at fixed sample counts, so it may answer false
@@ -81,11 +98,13 @@ uint64_t glint_render_tile_version(const glint_render *render, uint32_t tile);
 
 // The frame, or the tile, as it stands: every pixel consistent, complete with all attributes of
 // CONVENTIONS b. `outputs` selects (a subset of the job's). Tiles: beauty as half RGBA.
-// *samples (may be NULL): fewest samples among the pixels given.
+// *samples (may be NULL): fewest samples among the pixels given. revision (may be NULL): of the
+// scene that they show.
 glint_status glint_render_frame(glint_render *render, uint32_t outputs, struct glint_frame **out,
                                 uint32_t *samples, struct glint_error *err);
 glint_status glint_render_tile(glint_render *render, uint32_t tile, struct glint_frame **out,
-                               uint32_t *samples, uint64_t *version, struct glint_error *err);
+                               uint32_t *samples, uint64_t *version, char revision[65],
+                               struct glint_error *err);
 
 // Matte layers: 0 object, 1 material, 2 asset.
 enum glint_matte_layer {
@@ -99,8 +118,8 @@ struct glint_matte_total {
     uint32_t id;
     double coverage;
 }; // pixels covered
-// Every name of the scene with its coverage over the frame; *out malloc'd, names live as long as
-// the render. *lost: pixels of coverage that found no slot.
+// Every name of the scene with its coverage over the frame; *out malloc'd, the names in the same
+// block. *lost: pixels of coverage that found no slot.
 glint_status glint_render_mattes(glint_render *render, enum glint_matte_layer layer,
                                  struct glint_matte_total **out, size_t *count, double *lost,
                                  struct glint_error *err);

@@ -139,7 +139,7 @@ static void store_ranks(const struct glint_cryptomatte_rank *rank, uint32_t n, u
     }
 }
 
-static void resolve_mattes(const struct glint_render *r, const uint64_t *table, const struct at *a,
+static void resolve_mattes(const struct glint_view *r, const uint64_t *table, const struct at *a,
                            const struct planes *p)
 {
     struct glint_cryptomatte_rank rank[GLINT_MAX_SLOTS];
@@ -152,7 +152,7 @@ static void resolve_mattes(const struct glint_render *r, const uint64_t *table, 
 }
 
 // The pixels of one film tile that lie in the frame.
-static void resolve_tile(const struct glint_render *r, uint32_t tile, uint32_t samples,
+static void resolve_tile(const struct glint_view *r, uint32_t tile, uint32_t samples,
                          const struct glint_frame *f, const struct planes *p)
 {
     struct glint_film_tile t;
@@ -183,7 +183,7 @@ static void blank_depth(const struct glint_frame *f, const struct planes *p)
 }
 
 // Returns the fewest samples of the film tiles that the frame touches.
-static uint32_t resolve_frame(struct glint_render *r, const struct glint_frame *f,
+static uint32_t resolve_frame(const struct glint_view *r, const struct glint_frame *f,
                               const struct planes *p)
 {
     const uint32_t columns = glint_film_columns(r->film);
@@ -196,7 +196,7 @@ static uint32_t resolve_frame(struct glint_render *r, const struct glint_frame *
     for (uint32_t y = cy0; y <= cy1; y++)
         for (uint32_t x = cx0; x <= cx1; x++) {
             const uint32_t tile = y * columns + x;
-            const uint32_t samples = glint_film_read_begin(r->film, tile);
+            const uint32_t samples = glint_film_read_begin(r->film, tile, r->epoch);
             if (samples)
                 resolve_tile(r, tile, samples, f, p);
             glint_film_read_end(r->film, tile);
@@ -205,7 +205,7 @@ static uint32_t resolve_frame(struct glint_render *r, const struct glint_frame *
     return fewest;
 }
 
-glint_status glint_render_attributes(struct glint_render *r, struct glint_frame *f,
+glint_status glint_render_attributes(const struct glint_view *r, struct glint_frame *f,
                                      uint32_t samples)
 {
     static const float rec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
@@ -219,10 +219,11 @@ glint_status glint_render_attributes(struct glint_render *r, struct glint_frame 
     st = st ? st : glint_frame_int(f, "glint/samples", (int32_t)samples);
     st = st ? st : glint_frame_int(f, "glint/seed", (int32_t)r->job.seed);
     st = st ? st : glint_frame_string(f, "glint/sceneHash", glint_resident_revision(r->scene));
-    return st ? st : glint_frame_int(f, "glint/complete", glint_render_complete(r));
+    return st ? st : glint_frame_int(f, "glint/complete", glint_render_complete(r->render));
 }
 
-static glint_status add_manifests(struct glint_render *r, struct glint_frame *f, uint32_t outputs)
+static glint_status add_manifests(const struct glint_view *r, struct glint_frame *f,
+                                  uint32_t outputs)
 {
     glint_status st = GLINT_OK;
     for (int l = 0; !st && l < GLINT_MATTE_LAYERS; l++) {
@@ -236,7 +237,7 @@ static glint_status add_manifests(struct glint_render *r, struct glint_frame *f,
 }
 
 // A frame over a rectangle of the display window, inside the region.
-static glint_status make_frame(struct glint_render *r, const uint32_t rect[4], uint32_t outputs,
+static glint_status make_frame(const struct glint_view *r, const uint32_t rect[4], uint32_t outputs,
                                struct glint_frame **out, uint32_t *samples, struct glint_error *err)
 {
     struct planes planes;
@@ -266,7 +267,10 @@ glint_status glint_render_frame(glint_render *r, uint32_t outputs, struct glint_
     *out = NULL;
     if (outputs == 0 || outputs & ~r->job.outputs)
         return glint_fail(err, GLINT_E_RANGE, "/outputs", "the job does not render that output");
-    return make_frame(r, r->job.region, outputs, out, samples, err);
+    struct glint_view *view = glint_view_hold(r);
+    const glint_status st = make_frame(view, r->job.region, outputs, out, samples, err);
+    glint_view_release(&view);
+    return st;
 }
 
 #define CLIENT_TILE 64u
@@ -299,7 +303,8 @@ uint64_t glint_render_tile_version(const glint_render *r, uint32_t tile)
 }
 
 glint_status glint_render_tile(glint_render *r, uint32_t tile, struct glint_frame **out,
-                               uint32_t *samples, uint64_t *version, struct glint_error *err)
+                               uint32_t *samples, uint64_t *version, char revision[65],
+                               struct glint_error *err)
 {
     *out = NULL;
     if (tile >= glint_render_tiles(r))
@@ -308,5 +313,10 @@ glint_status glint_render_tile(glint_render *r, uint32_t tile, struct glint_fram
     glint_render_tile_rect(r, tile, rect);
     if (version) // before the pixels: what arrives in between is sent again, never missed
         *version = glint_render_tile_version(r, tile);
-    return make_frame(r, rect, GLINT_OUT_BEAUTY, out, samples, err);
+    struct glint_view *view = glint_view_hold(r);
+    const glint_status st = make_frame(view, rect, GLINT_OUT_BEAUTY, out, samples, err);
+    if (!st && revision)
+        snprintf(revision, 65, "%s", glint_resident_revision(view->scene));
+    glint_view_release(&view);
+    return st;
 }

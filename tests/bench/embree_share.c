@@ -285,7 +285,7 @@ int main(int argc, char **argv)
     glint_resident *scene = scene_of(&b, argc, argv);
     struct glint_job *job = offline_job(
         "{\"scene\":\"s\",\"resolution\":[256,256],\"outputs\":[\"beauty\",\"crypto_object\"]}");
-    if (glint_render_create(&b.render, b.o.devices, scene, job, &err) ||
+    if (glint_render_create(&b.render, b.o.devices, scene, NULL, job, &err) ||
         glint_resident_geometry(scene, GLINT_GEOMETRY_FLAT, false, &geometry, &err))
         offline_die("render", &err);
     b.worker = glint_devices_worker(b.o.devices, 0);

@@ -162,7 +162,7 @@ struct glint_frame *offline_frame(const struct offline *o, glint_resident *scene
     struct glint_job *job = offline_job(text);
     glint_render *render = NULL;
     struct glint_frame *frame = NULL;
-    if (glint_render_create_forced(&render, o->devices, scene, job, force, &err))
+    if (glint_render_create_forced(&render, o->devices, scene, NULL, job, force, &err))
         offline_die("render", &err);
     offline_render(o, render);
     if (glint_render_frame(render, job->outputs, &frame, NULL, &err))

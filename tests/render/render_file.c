@@ -95,7 +95,7 @@ int main(int argc, char **argv)
     char *text = (char *)offline_read_file(options.job, &length);
     struct glint_job *job = offline_job(text);
     glint_resident *scene = offline_load(&o, options.scene);
-    if (glint_render_create_forced(&render, o.devices, scene, job, options.force, &err))
+    if (glint_render_create_forced(&render, o.devices, scene, NULL, job, options.force, &err))
         offline_die("render", &err);
     const double start = glint_now();
     offline_render(&o, render);

@@ -250,10 +250,10 @@ static void assert_runs(const struct world *w, const char *options)
     struct glint_job *job = offline_job(text);
     glint_render *render = NULL;
     glint_program *by_hand = NULL;
-    if (glint_render_create(&render, o.devices, scene, job, &err) ||
+    if (glint_render_create(&render, o.devices, scene, NULL, job, &err) ||
         glint_program_get(&by_hand, o.devices, options, &err))
         offline_die("program", &err);
-    assert_string_equal(glint_program_key(render->program), glint_program_key(by_hand));
+    assert_string_equal(glint_program_key(render->view->program), glint_program_key(by_hand));
     glint_program_release(&by_hand);
     glint_render_destroy(&render);
     glint_job_destroy(&job);

@@ -91,7 +91,7 @@ void shoot(struct shot *s, glint_resident *scene, const char *job)
 {
     struct glint_error err = {0};
     s->job = offline_job(job);
-    if (glint_render_create(&s->render, things_crew.devices, scene, s->job, &err))
+    if (glint_render_create(&s->render, things_crew.devices, scene, NULL, s->job, &err))
         offline_die("render", &err);
     offline_render(&things_crew, s->render);
     if (glint_render_frame(s->render, s->job->outputs, &s->frame, NULL, &err))

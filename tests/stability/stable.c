@@ -81,7 +81,7 @@ struct glint_frame *stable_frame_of(const struct offline *o, glint_resident *sce
     struct glint_job *job = offline_job(text);
     glint_render *render = NULL;
     struct glint_frame *frame = NULL;
-    if (glint_render_create(&render, o->devices, scene, job, &err))
+    if (glint_render_create(&render, o->devices, scene, NULL, job, &err))
         offline_die("render", &err);
     offline_render(o, render);
     if (glint_render_frame(render, job->outputs, &frame, NULL, &err))
@@ -109,8 +109,11 @@ static glint_status load(const struct offline *o, const char *text, struct glint
     struct glint_import *import = NULL;
     struct glint_scene *scene = NULL;
     glint_resident *resident = NULL;
-    glint_status st = glint_import_run(o->importer, GLINT_SCENE_NATIVE, (const uint8_t *)text,
-                                       strlen(text), &limits, &import, err);
+    glint_status st = glint_import_run(o->importer,
+                                       &(struct glint_import_source){.type = GLINT_SCENE_NATIVE,
+                                                                     .bytes = (const uint8_t *)text,
+                                                                     .size = strlen(text)},
+                                       &limits, &import, err);
     if (!st)
         st = glint_scene_parse(&scene, import->text, import->length, import->asset, import->assets,
                                err);

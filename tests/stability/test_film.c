@@ -174,7 +174,7 @@ static glint_render *begin(glint_resident *scene, unsigned samples)
                     samples);
     struct glint_job *job = offline_job(text);
     glint_render *render = NULL;
-    if (glint_render_create(&render, o.devices, scene, job, &err))
+    if (glint_render_create(&render, o.devices, scene, NULL, job, &err))
         offline_die("render", &err);
     glint_job_destroy(&job);
     free(text);

@@ -299,8 +299,11 @@ glint_status glint_render_frame(glint_render *render, uint32_t outputs, struct g
 }
 
 glint_status glint_render_tile(glint_render *render, uint32_t tile, struct glint_frame **out,
-                               uint32_t *samples, uint64_t *version, struct glint_error *err)
+                               uint32_t *samples, uint64_t *version, char revision[65],
+                               struct glint_error *err)
 {
+    memset(revision, 'a', 64);
+    revision[64] = '\0';
     *version = atomic_load(&render->version[tile]);
     *samples = (uint32_t)*version;
     return make_frame(render, tile, 1, out, err);
@@ -355,12 +358,12 @@ size_t glint_render_convergence(const glint_render *render, struct glint_converg
 
 // store.h
 
-glint_status glint_store_put(glint_store *store, const char *name, enum glint_scene_type type,
-                             const uint8_t *bytes, size_t size, const char *if_match,
+glint_status glint_store_put(glint_store *store, const char *name,
+                             const struct glint_import_source *source, const char *if_match,
                              glint_revision **out, bool *created, struct glint_error *err)
 {
     (void)name, (void)if_match;
-    if (type == GLINT_SCENE_GLB && (size < 12 || memcmp(bytes, "glTF", 4)))
+    if (source->type == GLINT_SCENE_GLB && (source->size < 12 || memcmp(source->bytes, "glTF", 4)))
         return glint_fail(err, GLINT_E_SYNTAX, "", "not a GLB");
     pthread_mutex_lock(&store->mutex);
     while (!store->open)

@@ -240,11 +240,12 @@ uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struc
 }
 
 glint_status glint_render_create(glint_render **out, struct glint_devices *d,
-                                 struct glint_resident *scene, const struct glint_job *job,
-                                 struct glint_error *err)
+                                 struct glint_resident *scene, const struct glint_pose *pose,
+                                 const struct glint_job *job, struct glint_error *err)
 {
     (void)d;
     (void)scene;
+    (void)pose;
     *out = NULL;
     lock();
     const glint_status failure = create_failure(job->seed);

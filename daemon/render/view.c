@@ -1,0 +1,102 @@
+// view.c - what a render shows: made for its job and a scene, held by those who read its pixels.
+#include "render/internal.h"
+
+#include "kernels/gk_matte.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static glint_status choose_camera(struct glint_view *v, struct glint_error *err)
+{
+    const struct glint_scene *s = glint_resident_scene(v->scene);
+    if (v->job.has_camera) {
+        v->camera = v->job.camera;
+        return GLINT_OK;
+    }
+    for (uint32_t i = 0; i < s->cameras; i++)
+        if (!v->job.camera_name || strcmp(s->camera[i].name, v->job.camera_name) == 0 ||
+            strcmp(s->camera[i].id, v->job.camera_name) == 0) {
+            v->camera = s->camera[i];
+            return GLINT_OK;
+        }
+    return glint_fail(err, GLINT_E_RANGE, "/camera", "the scene has no camera \"%s\"",
+                      v->job.camera_name ? v->job.camera_name : "");
+}
+
+static void fill_wave_job(struct glint_view *v)
+{
+    v->wave_job.plan = &v->plan;
+    v->wave_job.program = v->program;
+    v->wave_job.scene = v->scene;
+    v->wave_job.frame = v->frame;
+    v->wave_job.matte_slots = v->job.matte_slots;
+    v->wave_job.matte_policy =
+        v->job.dial[GLINT_DIAL_EVICTION] == 0 ? GK_MATTE_DROP : GK_MATTE_DIRECT_FIRST;
+}
+
+static glint_status prepare(struct glint_view *v, const struct glint_view *like, uint64_t force,
+                            struct glint_error *err)
+{
+    glint_devices *devices = v->render->devices;
+    const struct glint_effect_input in = {glint_resident_facts(v->scene), &v->job, &v->camera};
+    const bool robust = v->job.dial[GLINT_DIAL_TRAVERSAL] == 0;
+    const enum glint_geometry_kind kind = v->job.live ? GLINT_GEOMETRY_PLACED : GLINT_GEOMETRY_FLAT;
+    glint_plan_make(&v->plan, &in, force);
+    glint_status st = glint_program_get(&v->program, devices, v->plan.options, err);
+    if (!st)
+        st = glint_resident_geometry(v->scene, kind, robust, &v->wave_job.geometry, err);
+    if (!st)
+        st = glint_buffer_create(&v->frame, devices, sizeof(struct gk_frame), err);
+    if (st)
+        return st;
+    glint_render_constants(v, glint_buffer_host(v->frame));
+    fill_wave_job(v);
+    return like && like->program == v->program ? GLINT_OK
+                                               : glint_wave_compile(devices, &v->wave_job, err);
+}
+
+glint_status glint_view_create(struct glint_view **out, glint_render *render, glint_resident *scene,
+                               const struct glint_pose *pose, const struct glint_job *job,
+                               const struct glint_view *like, uint64_t force,
+                               struct glint_error *err)
+{
+    *out = NULL;
+    struct glint_view *v = calloc(1, sizeof *v);
+    if (!v)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a view");
+    atomic_init(&v->references, 1);
+    v->render = render;
+    v->scene = glint_resident_retain(scene);
+    v->pose = pose;
+    v->job = *job;
+    glint_status st = choose_camera(v, err);
+    if (!st)
+        st = prepare(v, like, force, err);
+    if (st)
+        glint_view_release(&v);
+    *out = v;
+    return st;
+}
+
+struct glint_view *glint_view_hold(glint_render *r)
+{
+    pthread_mutex_lock(&r->mutex);
+    struct glint_view *view = r->view;
+    // Relaxed: the render's own reference cannot go before the mutex does.
+    atomic_fetch_add_explicit(&view->references, 1, memory_order_relaxed);
+    pthread_mutex_unlock(&r->mutex);
+    return view;
+}
+
+void glint_view_release(struct glint_view **view)
+{
+    struct glint_view *v = *view;
+    *view = NULL;
+    // Acquire and release: the last to leave sees what the others did before they left.
+    if (!v || atomic_fetch_sub_explicit(&v->references, 1, memory_order_acq_rel) != 1)
+        return;
+    glint_buffer_destroy(&v->frame);
+    glint_program_release(&v->program);
+    glint_resident_release(&v->scene);
+    free(v);
+}
