@@ -5,6 +5,42 @@
 #include "kernels/gk_bsdf.h"
 #include "kernels/gk_hit.h"
 
+#ifdef GK_VERTEX_COLOURS
+// Linear colour and opacity at barycentrics (u, v) of a record, between those of its vertices.
+GK_INLINE struct gk_texel gk_vertex_colour(const struct gk_resident *r, gk_u32 triangle, gk_f32 u,
+                                           gk_f32 v)
+{
+    const gk_i32 has = (r->triangle[triangle].flags & GK_TRIANGLE_COLOURED) != 0u;
+    const GK_GLOBAL gk_f32 *c = r->colour[has ? triangle : 0u].rgba;
+    const gk_f32 w = 1.0f - u - v;
+    struct gk_texel t;
+    t.r = has ? w * c[0] + u * c[4] + v * c[8] : 1.0f;
+    t.g = has ? w * c[1] + u * c[5] + v * c[9] : 1.0f;
+    t.b = has ? w * c[2] + u * c[6] + v * c[10] : 1.0f;
+    t.a = has ? w * c[3] + u * c[7] + v * c[11] : 1.0f;
+    return t;
+}
+#endif
+
+// Share of the surface that is there at barycentrics (u, v) of a record: what alpha modes mask and
+// blend look at.
+GK_INLINE gk_f32 gk_surface_opacity(const struct gk_resident *r, gk_u32 material, gk_u32 triangle,
+                                    gk_f32 u, gk_f32 v)
+{
+    const GK_GLOBAL struct gk_material *m = r->material + material;
+    gk_f32 opacity = m->opacity;
+#ifdef GK_TEXTURES
+    opacity *= gk_texture_at(&r->textures, m->base_texture, gk_coordinates_at(r, triangle, u, v)).a;
+#endif
+#ifdef GK_VERTEX_COLOURS
+    opacity *= gk_vertex_colour(r, triangle, u, v).a;
+#endif
+    (void)triangle;
+    (void)u;
+    (void)v;
+    return opacity;
+}
+
 // Radiance that the hit emits towards the ray's origin.
 GK_INLINE struct gk_vec gk_hit_emission(const struct gk_resident *r, const struct gk_hit *hit)
 {
@@ -33,6 +69,10 @@ GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const st
     s.base = gk_mul(s.base, gk_vec(base.r, base.g, base.b));
     s.metallic *= rough.b;
     roughness *= rough.g;
+#endif
+#ifdef GK_VERTEX_COLOURS
+    const struct gk_texel colour = gk_vertex_colour(r, hit->triangle, hit->u, hit->v);
+    s.base = gk_mul(s.base, gk_vec(colour.r, colour.g, colour.b));
 #endif
     s.alpha = roughness * roughness;
     s.fresnel_mean = m->fresnel_mean;

@@ -13,16 +13,28 @@
 #define GLINT_EFFECT_TRANSMISSION "transmission"
 #define GLINT_EFFECT_TEXTURES "textures"
 #define GLINT_EFFECT_NORMAL_MAPS "normal maps"
+#define GLINT_EFFECT_UV1 "second texture coordinates"
+#define GLINT_EFFECT_TEXTURE_TRANSFORMS "texture transforms"
+#define GLINT_EFFECT_NEAREST_TEXELS "nearest texels"
+#define GLINT_EFFECT_LAYER_TEXTURES "layer textures"
+#define GLINT_EFFECT_VERTEX_COLOURS "vertex colours"
+#define GLINT_EFFECT_SPECULAR "specular"
+#define GLINT_EFFECT_CLEARCOAT "clearcoat"
+#define GLINT_EFFECT_COLLIMATION "collimation"
 #define GLINT_EFFECT_INSTANCES "instances"
 #define GLINT_EFFECT_CUTOUT "alpha cut-outs"
 #define GLINT_EFFECT_EMISSION "emission"
 #define GLINT_EFFECT_LIGHT_TABLE "light table"
+#define GLINT_EFFECT_LIGHT_GRID "light grid"
 #define GLINT_EFFECT_ENVIRONMENT_CONSTANT "constant environment"
 #define GLINT_EFFECT_ENVIRONMENT_IMAGE "environment image"
 
 struct glint_scene_facts {
     bool microfacet, transmission, textures, normal_maps, instances, cutout;
-    bool emission, light_table, environment_constant, environment_image;
+    bool uv1, texture_transforms, nearest_texels, vertex_colours;
+    bool layer_textures; // of transmission, specular or coat
+    bool specular, clearcoat, collimation;
+    bool emission, light_table, light_grid, environment_constant, environment_image;
     uint32_t texture_pools;
 };
 

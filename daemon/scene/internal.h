@@ -77,8 +77,15 @@ glint_status glint_resident_build_geometry(struct glint_resident *r, bool robust
 uint32_t glint_resident_texture(const struct glint_resident *r, const struct glint_texture *use,
                                 bool srgb);
 
-// Alpha of a texture record at (u, v); 1 for GK_NONE.
-float glint_texture_alpha(const struct glint_resident *r, uint32_t texture, float u, float v);
+// Sets ends[axis] where a texture of the material reads uv set `uv_set` so that even whole numbers
+// may not be taken off coordinates along that axis: it is clamped, or its transform does not map
+// periods to periods.
+void glint_material_note_ends(const struct glint_material *m, uint32_t uv_set, bool ends[2]);
+
+// What kernels see as the opacity of a row's triangle at barycentrics (u, v): factor, texture and
+// vertex colour. Not of area lights. Any thread, once the records are built.
+float glint_resident_opacity(const struct glint_resident *r, uint32_t row, uint32_t primitive,
+                             float u, float v);
 
 // The kept triangles of a row's mesh.
 struct glint_kept *glint_row_kept(const struct glint_resident *r, const struct glint_row *row);

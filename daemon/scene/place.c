@@ -19,23 +19,14 @@ static bool template_has_holes(const struct glint_resident *r, uint32_t template
     return false;
 }
 
-// The opacity test of a hit: the same texture look-up that kernels do, compiled for the host.
+// The opacity test of a hit: what kernels compute, compiled for the host.
 static bool hole_at(const void *user, uint32_t row, uint32_t primitive, float u, float v)
 {
     const struct glint_resident *r = user;
-    const struct glint_row *at = &r->row[row];
     const struct gk_material *m =
-        (const struct gk_material *)glint_table_host(r, GLINT_TABLE_MATERIALS) + at->material;
-    if (m->cutoff <= 0.0f)
-        return false;
-    const struct gk_triangle *t =
-        (const struct gk_triangle *)glint_table_host(r, GLINT_TABLE_TRIANGLES) + at->triangle +
-        primitive;
-    const float w = 1.0f - u - v;
-    return glint_texture_alpha(r, m->base_texture, w * t->uv[0] + u * t->uv[2] + v * t->uv[4],
-                               w * t->uv[1] + u * t->uv[3] + v * t->uv[5]) *
-               m->opacity <
-           m->cutoff;
+        (const struct gk_material *)glint_table_host(r, GLINT_TABLE_MATERIALS) +
+        r->row[row].material;
+    return m->cutoff > 0.0f && glint_resident_opacity(r, row, primitive, u, v) < m->cutoff;
 }
 
 // World positions of a baked row and its indices, winding turned where it mirrors; malloc'd.

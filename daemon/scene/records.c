@@ -113,12 +113,6 @@ static void store_unit(const double v[3], float out[3])
 
 static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
-static void note_clamps(const struct glint_texture *t, bool clamps[2])
-{
-    clamps[0] |= t->image != GLINT_NONE && t->wrap_u == GLINT_WRAP_CLAMP;
-    clamps[1] |= t->image != GLINT_NONE && t->wrap_v == GLINT_WRAP_CLAMP;
-}
-
 // Along which axes a texture on the row, or on any other that shares its template, has an end.
 static void find_clamps(const struct glint_resident *r, const struct glint_row *row, bool clamps[2])
 {
@@ -128,11 +122,7 @@ static void find_clamps(const struct glint_resident *r, const struct glint_row *
     for (; other < end; other++) {
         if (other->template_index != row->template_index || other->material >= r->scene->materials)
             continue;
-        const struct glint_material *m = &r->scene->material[other->material];
-        note_clamps(&m->base_color_texture, clamps);
-        note_clamps(&m->metallic_roughness_texture, clamps);
-        note_clamps(&m->normal_texture, clamps);
-        note_clamps(&m->emission_texture, clamps);
+        glint_material_note_ends(&r->scene->material[other->material], 0, clamps);
     }
 }
 

@@ -1,6 +1,4 @@
 // textures.c - images as tiled texels in pools, and a record for each way of using one.
-#define GK_TEXTURE_POOLS 4 // the host looks into all of them
-#include "kernels/gk_texture.h"
 #include "scene/internal.h"
 
 #include <math.h>
@@ -21,21 +19,51 @@ static size_t tiled_texels(const struct glint_image *image)
     return (size_t)((image->width + 7) / 8) * ((image->height + 7) / 8) * 64;
 }
 
-static const struct glint_texture *use_of(const struct glint_material *m, int use)
+#define USES 10
+
+// The ways in which a material uses images; `srgb` tells which of them are colours.
+static const struct glint_texture *use_of(const struct glint_material *m, int use, bool *srgb)
 {
-    const struct glint_texture *t[4] = {&m->base_color_texture, &m->metallic_roughness_texture,
-                                        &m->normal_texture, &m->emission_texture};
-    return t[use];
+    const struct {
+        const struct glint_texture *texture;
+        bool srgb;
+    } t[USES] = {{&m->base_color_texture, true},
+                 {&m->metallic_roughness_texture, false},
+                 {&m->normal_texture, false},
+                 {&m->emission_texture, true},
+                 {&m->specular_texture, false},
+                 {&m->specular_color_texture, true},
+                 {&m->transmission_texture, false},
+                 {&m->clearcoat_texture, false},
+                 {&m->clearcoat_roughness_texture, false},
+                 {&m->clearcoat_normal_texture, false}};
+    *srgb = t[use].srgb;
+    return t[use].texture;
 }
 
-static bool use_is_srgb(int use)
+// KHR_texture_transform: translation, rotation and scale, the last applied first. The rotation is
+// counter-clockwise on the coordinates, whose v runs downwards.
+static void fill_transform(const struct glint_texture *use, float m[6])
 {
-    return use == 0 || use == 3;
+    const double c = cos((double)use->rotation), s = sin((double)use->rotation);
+    const double x = use->scale[0], y = use->scale[1];
+    const double exact[6] = {c * x, s * y, use->offset[0], -s * x, c * y, use->offset[1]};
+    for (int i = 0; i < 6; i++)
+        m[i] = (float)exact[i];
+}
+
+static bool is_transformed(const struct glint_texture *use)
+{
+    return use->offset[0] != 0.0f || use->offset[1] != 0.0f || use->scale[0] != 1.0f ||
+           use->scale[1] != 1.0f || use->rotation != 0.0f;
 }
 
 static uint32_t flags_of(const struct glint_texture *use, bool srgb)
 {
-    return (uint32_t)use->wrap_u | (uint32_t)use->wrap_v << 2 | (srgb ? GK_TEXTURE_SRGB : 0u);
+    return (uint32_t)use->wrap_u | (uint32_t)use->wrap_v << 2 | (srgb ? GK_TEXTURE_SRGB : 0u) |
+           (use->filter == GLINT_FILTERING_NEAREST ? GK_TEXTURE_NEAREST : 0u) |
+           (use->uv_set == 1 ? GK_TEXTURE_UV1 : 0u) |
+           (is_transformed(use) ? GK_TEXTURE_TRANSFORMED : 0u);
 }
 
 // Finds room for every image that a material uses.
@@ -93,13 +121,15 @@ static struct gk_texture record_of(const struct glint_resident *r, const struct 
                                    const struct glint_texture *use, bool srgb)
 {
     const struct glint_image *image = &r->scene->image[use->image];
-    return (struct gk_texture){.offset = spot[use->image].offset,
-                               .pool = spot[use->image].pool,
-                               .width = image->width,
-                               .height = image->height,
-                               .tiles = spot[use->image].tiles,
-                               .flags = flags_of(use, srgb),
-                               .image = use->image};
+    struct gk_texture t = {.offset = spot[use->image].offset,
+                           .pool = spot[use->image].pool,
+                           .width = image->width,
+                           .height = image->height,
+                           .tiles = spot[use->image].tiles,
+                           .flags = flags_of(use, srgb),
+                           .image = use->image};
+    fill_transform(use, t.transform);
+    return t;
 }
 
 static void add_records(struct glint_resident *r, const struct spot *spot)
@@ -107,11 +137,12 @@ static void add_records(struct glint_resident *r, const struct spot *spot)
     struct gk_texture *t = glint_table_host(r, GLINT_TABLE_TEXTURES);
     uint32_t n = 0;
     for (uint32_t i = 0; i < r->scene->materials; i++)
-        for (int use = 0; use < 4; use++) {
-            const struct glint_texture *of = use_of(&r->scene->material[i], use);
+        for (int use = 0; use < USES; use++) {
+            bool srgb;
+            const struct glint_texture *of = use_of(&r->scene->material[i], use, &srgb);
             if (of->image == GLINT_NONE)
                 continue;
-            const struct gk_texture wanted = record_of(r, spot, of, use_is_srgb(use));
+            const struct gk_texture wanted = record_of(r, spot, of, srgb);
             if (find_record(t, n, &wanted) == n)
                 t[n++] = wanted;
         }
@@ -124,8 +155,9 @@ static glint_status mark_used(const struct glint_resident *r, struct spot *spot,
 {
     glint_status st = GLINT_OK;
     for (uint32_t i = 0; i < r->scene->materials; i++)
-        for (int use = 0; use < 4; use++) {
-            const uint32_t image = use_of(&r->scene->material[i], use)->image;
+        for (int use = 0; use < USES; use++) {
+            bool srgb;
+            const uint32_t image = use_of(&r->scene->material[i], use, &srgb)->image;
             if (image == GLINT_NONE || spot[image].used)
                 continue;
             spot[image].used = true;
@@ -162,7 +194,7 @@ glint_status glint_resident_build_textures(struct glint_resident *r, struct glin
     if (!spot)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u images", r->scene->images);
     size_t used[POOLS] = {0};
-    const size_t records = (size_t)r->scene->materials * 4 + 1;
+    const size_t records = (size_t)r->scene->materials * USES + 1;
     glint_status st = mark_used(r, spot, err);
     if (!st)
         st = place_images(r, spot, used, err);
@@ -189,19 +221,32 @@ uint32_t glint_resident_texture(const struct glint_resident *r, const struct gli
         return GK_NONE;
     const struct gk_texture *t = glint_table_host(r, GLINT_TABLE_TEXTURES);
     const uint32_t flags = flags_of(use, srgb);
+    float transform[6];
+    fill_transform(use, transform);
     uint32_t i = 0;
-    while (t[i].image != use->image || t[i].flags != flags)
+    while (t[i].image != use->image || t[i].flags != flags ||
+           memcmp(t[i].transform, transform, sizeof transform))
         i++; // glint_resident_build_textures() has made one for every use
     return i;
 }
 
-float glint_texture_alpha(const struct glint_resident *r, uint32_t texture, float u, float v)
+// Whether whole numbers of periods along an axis of the mesh move the coordinates of a use by whole
+// numbers of its own periods: a clamped axis has none.
+static bool periodic_along(const struct glint_texture *use, int axis)
 {
-    const uint32_t *pool[POOLS];
-    for (int p = 0; p < POOLS; p++)
-        pool[p] = glint_table_host(r, GLINT_TABLE_POOL0 + p);
-    const struct gk_texture_pools pools = {
-        glint_table_host(r, GLINT_TABLE_TEXTURES), pool[0], pool[1], pool[2], pool[3],
-        glint_table_host(r, GLINT_TABLE_DECODE)};
-    return gk_texture_fetch(&pools, texture, u, v).a;
+    float m[6];
+    fill_transform(use, m);
+    const float along_u = m[axis], along_v = m[3 + axis];
+    return (along_u == 0.0f || use->wrap_u != GLINT_WRAP_CLAMP) && along_u == rintf(along_u) &&
+           (along_v == 0.0f || use->wrap_v != GLINT_WRAP_CLAMP) && along_v == rintf(along_v);
+}
+
+void glint_material_note_ends(const struct glint_material *m, uint32_t uv_set, bool ends[2])
+{
+    for (int use = 0; use < USES; use++) {
+        bool srgb;
+        const struct glint_texture *t = use_of(m, use, &srgb);
+        for (int axis = 0; axis < 2; axis++)
+            ends[axis] |= t->image != GLINT_NONE && t->uv_set == uv_set && !periodic_along(t, axis);
+    }
 }
