@@ -11,12 +11,14 @@ static glint_status choose_camera(struct glint_view *v, struct glint_error *err)
     const struct glint_scene *s = glint_resident_scene(v->scene);
     if (v->job.has_camera) {
         v->camera = v->job.camera;
+        v->camera_index = GLINT_NONE;
         return GLINT_OK;
     }
     for (uint32_t i = 0; i < s->cameras; i++)
         if (!v->job.camera_name || strcmp(s->camera[i].name, v->job.camera_name) == 0 ||
             strcmp(s->camera[i].id, v->job.camera_name) == 0) {
             v->camera = s->camera[i];
+            v->camera_index = i;
             return GLINT_OK;
         }
     return glint_fail(err, GLINT_E_RANGE, "/camera", "the scene has no camera \"%s\"",
@@ -67,7 +69,7 @@ glint_status glint_view_create(struct glint_view **out, glint_render *render, gl
     atomic_init(&v->references, 1);
     v->render = render;
     v->scene = glint_resident_retain(scene);
-    v->pose = pose;
+    v->pose = pose ? glint_pose_retain(pose) : NULL;
     v->job = *job;
     glint_status st = choose_camera(v, err);
     if (!st)
@@ -97,6 +99,7 @@ void glint_view_release(struct glint_view **view)
         return;
     glint_buffer_destroy(&v->frame);
     glint_program_release(&v->program);
+    glint_pose_release(&v->pose);
     glint_resident_release(&v->scene);
     free(v);
 }

@@ -35,6 +35,7 @@ struct glint_resident {
     _Atomic uint32_t references;
     glint_devices *devices;
     struct glint_scene *scene;
+    struct glint_resident *owner; // of `scene`, retained; NULL: this one
     void (*free_assets)(void *);
     void *assets;
     char revision[65];

@@ -117,6 +117,8 @@ glint_status glint_resident_create(glint_resident **out, glint_devices *devices,
         return st;
     }
     count_bytes(r);
+    if (order->from && order->from->scene == order->scene)
+        r->owner = glint_resident_retain((glint_resident *)order->from);
     r->free_assets = order->free_assets;
     r->assets = order->assets;
     *out = r;
@@ -136,11 +138,13 @@ void glint_resident_release(glint_resident **resident)
     // Acquire-release: the last holder sees all that the others did before it frees.
     if (!r || atomic_fetch_sub_explicit(&r->references, 1, memory_order_acq_rel) != 1)
         return;
-    struct glint_scene *scene = r->scene;
+    struct glint_scene *scene = r->owner ? NULL : r->scene;
+    glint_resident *owner = r->owner;
     void (*free_assets)(void *) = r->free_assets;
     void *assets = r->assets;
     destroy(r);
     glint_scene_destroy(&scene);
+    glint_resident_release(&owner);
     if (free_assets)
         free_assets(assets);
 }

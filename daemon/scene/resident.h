@@ -35,8 +35,9 @@ struct glint_resident_change {
 };
 
 // Builds from `scene`, which must have been completed (camera, environment). Takes `scene` on
-// success; the assets that it borrows must live until `free_assets(assets)` is called, when the
-// last reference goes (may be NULL).
+// success, unless it is that of `from`: then `from` lives as long as what is made. The assets that it
+// borrows must live until `free_assets(assets)` is called, when the last reference goes (may be
+// NULL).
 struct glint_resident_order {
     struct glint_scene *scene;
     void (*free_assets)(void *);
