@@ -109,6 +109,9 @@ libglintdaemon_a_SOURCES = \
 	daemon/render/wave.h \
 	daemon/scene/alias.c \
 	daemon/scene/alias.h \
+	daemon/scene/asset_set.c \
+	daemon/scene/assets.c \
+	daemon/scene/assets.h \
 	daemon/scene/data_uri.c \
 	daemon/scene/data_uri.h \
 	daemon/scene/environment.c \

@@ -129,7 +129,7 @@ bool glint_body_accept(struct glint_request *r)
         return false;
     }
     if (r->route->body == GLINT_BODY_SCENE)
-        r->body.fd = memfd_create("glint-body", MFD_CLOEXEC);
+        r->body.fd = memfd_create("glint-body", MFD_CLOEXEC | MFD_ALLOW_SEALING);
     if (r->route->body == GLINT_BODY_SCENE && r->body.fd < 0)
         refuse(r, GLINT_E_CAPACITY, "no descriptor for the body");
     return !r->status;

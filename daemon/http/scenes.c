@@ -119,8 +119,12 @@ void glint_http_scenes_put(struct glint_request *r)
     if (!r->body.length)
         glint_fail(&err, GLINT_E_SYNTAX, "", "the body is empty");
     else
-        glint_store_put(r->http->store, r->argument[0], scene_type(r), r->body.bytes,
-                        r->body.length, *must ? must : NULL, &revision, &created, &err);
+        glint_store_put(r->http->store, r->argument[0],
+                        &(struct glint_import_source){.type = scene_type(r),
+                                                      .bytes = r->body.bytes,
+                                                      .size = r->body.length,
+                                                      .fd = r->body.fd},
+                        *must ? must : NULL, &revision, &created, &err);
     if (err.count) {
         glint_answer_error(r, &err);
         return;

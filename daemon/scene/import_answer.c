@@ -218,7 +218,7 @@ static bool read_header(struct answer *a)
 
 static glint_status broken(struct glint_error *err)
 {
-    return glint_fail(err, GLINT_E_INTERNAL, "", "the importer gave an answer that makes no sense");
+    return glint_fail(err, GLINT_E_RANGE, "", "the importer gave an answer that makes no sense");
 }
 
 static glint_status read_import(const struct answer *a, struct glint_import *im,
@@ -245,22 +245,39 @@ static glint_status read_answer(struct answer *a, struct glint_import *im, struc
     return read_faults(a, err) ? (glint_status)a->header.status : broken(err);
 }
 
+static void unmap(void *base, size_t bytes)
+{
+    munmap(base, bytes);
+}
+
+// NULL without memory.
+static glint_memory_ref *map(int fd, struct answer *a)
+{
+    void *base = mmap(NULL, a->size, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (base == MAP_FAILED)
+        return NULL;
+    glint_memory_ref *memory = glint_memory_ref_create(base, a->size, unmap);
+    if (!memory)
+        munmap(base, a->size);
+    a->base = base;
+    return memory;
+}
+
 glint_status glint_answer_read(int fd, struct glint_import **out, struct glint_error *err)
 {
     *out = NULL;
     struct stat st;
     if (fstat(fd, &st) || st.st_size <= 0)
         return broken(err);
+    struct answer a = {.size = (uint64_t)st.st_size};
     struct glint_import *im = calloc(1, sizeof *im);
-    void *base = im ? mmap(NULL, (size_t)st.st_size, PROT_READ, MAP_PRIVATE, fd, 0) : MAP_FAILED;
-    if (base == MAP_FAILED) {
+    if (im)
+        im->memory = map(fd, &a);
+    if (!im || !im->memory) {
         free(im);
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory to read %lld bytes of import",
                           (long long)st.st_size);
     }
-    im->mapping = base;
-    im->mapping_bytes = (size_t)st.st_size;
-    struct answer a = {.base = base, .size = (uint64_t)st.st_size};
     const glint_status status = read_answer(&a, im, err);
     if (status)
         glint_import_destroy(&im);
@@ -274,8 +291,10 @@ void glint_import_destroy(struct glint_import **import)
     *import = NULL;
     if (!im)
         return;
-    munmap(im->mapping, im->mapping_bytes);
+    if (im->asset != im->set.asset)
+        free(im->asset);
+    glint_asset_set_release(&im->set);
+    glint_memory_ref_release(&im->memory);
     free(im->warning);
-    free(im->asset);
     free(im);
 }

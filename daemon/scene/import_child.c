@@ -9,16 +9,19 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-glint_status glint_import_decode(enum glint_scene_type type, const uint8_t *bytes, size_t size,
-                                 struct glint_scene **scene, struct glint_asset **asset,
-                                 size_t *assets, struct glint_arena *arena, struct glint_error *err)
+glint_status glint_import_decode(struct glint_import_work *w, struct glint_error *err)
 {
-    *asset = NULL;
-    *assets = 0;
-    if (type == GLINT_SCENE_NATIVE)
-        return glint_import_native(bytes, size, scene, asset, assets, arena, err);
-    const glint_status st = glint_gltf_import(scene, bytes, size, err);
-    return st ? st : glint_scene_complete(*scene, err);
+    switch (w->type) {
+    case GLINT_SCENE_NATIVE:
+        return glint_import_native(w, err);
+    case GLINT_SCENE_GLB:
+    case GLINT_SCENE_GLTF: {
+        const glint_status st = glint_gltf_import(&w->scene, w->bytes, w->size, err);
+        return st ? st : glint_scene_complete(w->scene, err);
+    }
+    default:
+        return glint_fail(err, GLINT_E_RANGE, "", "files of type %d are not read", w->type);
+    }
 }
 
 // Out of memory in the jail means over the limit: it is the file's size that is at fault.
@@ -36,33 +39,54 @@ static glint_status say(int output, const struct glint_import_request *request,
     return glint_answer_write(output, &instead);
 }
 
-void glint_import_child(const struct glint_import_request *request, int input, int output)
+// The assets that came along; they stay mapped until the process ends.
+static glint_status take_given(struct glint_import_work *w, int fd, struct glint_error *err)
 {
-    const double start = glint_now();
-    struct glint_error err = {0};
-    struct glint_arena arena = {0};
-    struct glint_scene *scene = NULL;
-    struct glint_asset *asset = NULL;
-    size_t assets = 0, length = 0;
-    char *text = NULL;
+    struct glint_import *given;
+    const glint_status st = glint_answer_read(fd, &given, err);
+    if (st)
+        return st;
+    w->asset = given->asset;
+    w->given = w->assets = given->assets;
+    return GLINT_OK;
+}
+
+static glint_status take_input(struct glint_import_work *w,
+                               const struct glint_import_request *request, int input, int assets,
+                               struct glint_error *err)
+{
     const void *bytes = "";
     if (request->size)
         bytes = mmap(NULL, request->size, PROT_READ, MAP_PRIVATE, input, 0);
     if (bytes == MAP_FAILED)
-        glint_fail(&err, GLINT_E_NOMEM, "", "no memory for the file");
-    else
-        glint_import_decode((enum glint_scene_type)request->type, bytes, request->size, &scene,
-                            &asset, &assets, &arena, &err);
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the file");
+    w->type = (enum glint_scene_type)request->type;
+    w->bytes = bytes;
+    w->size = request->size;
+    w->boundary = request->boundary;
+    return request->assets ? take_given(w, assets, err) : GLINT_OK;
+}
+
+void glint_import_child(const struct glint_import_request *request, int input, int assets,
+                        int output)
+{
+    const double start = glint_now();
+    struct glint_error err = {0};
+    struct glint_import_work w = {0};
+    size_t length = 0;
+    char *text = NULL;
+    if (!take_input(&w, request, input, assets, &err))
+        glint_import_decode(&w, &err);
     if (!err.status)
-        glint_scene_write(scene, &text, &length, &asset, &assets, &err);
+        glint_scene_write(w.scene, &text, &length, &w.asset, &w.assets, &err);
     const struct glint_answer answer = {
         .error = &err,
         .text = err.status ? NULL : text,
         .length = length,
-        .asset = asset,
-        .assets = err.status ? 0 : assets,
-        .warning = scene ? scene->warning : NULL,
-        .warnings = scene && !err.status ? scene->warnings : 0,
+        .asset = w.asset + w.given,
+        .assets = err.status ? 0 : w.assets - w.given,
+        .warning = w.scene ? w.scene->warning : NULL,
+        .warnings = w.scene && !err.status ? w.scene->warnings : 0,
         .seconds = glint_now() - start,
     };
     _exit(say(output, request, &answer) ? GLINT_CHILD_NO_ROOM : GLINT_CHILD_ANSWERED);

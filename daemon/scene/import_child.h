@@ -6,19 +6,29 @@
 
 // Reads the input memfd, writes the answer to the output memfd and exits with one of the exit
 // codes of import_helper.h.
-void glint_import_child(const struct glint_import_request *request, int input, int output)
-    __attribute__((noreturn));
+void glint_import_child(const struct glint_import_request *request, int input, int assets,
+                        int output) __attribute__((noreturn));
 
-// The import itself, in whatever process. On GLINT_OK *scene is complete, and *asset (malloc'd)
-// are the pictures that a native text held in data URIs, their bytes in `arena`.
-glint_status glint_import_decode(enum glint_scene_type type, const uint8_t *bytes, size_t size,
-                                 struct glint_scene **scene, struct glint_asset **asset,
-                                 size_t *assets, struct glint_arena *arena,
-                                 struct glint_error *err);
+// The import itself, in whatever process.
+struct glint_import_work {
+    enum glint_scene_type type;
+    const uint8_t *bytes;
+    size_t size;
+    const char *boundary; // of multipart
+    // malloc'd: first those that the text may name, then those that the import made.
+    struct glint_asset *asset;
+    size_t given, assets;
+    struct glint_arena arena; // holds the bytes of those that it made
+    struct glint_scene *scene;
+};
 
-// Native JSON: pictures in data URIs become assets, then the text is parsed.
-glint_status glint_import_native(const uint8_t *bytes, size_t size, struct glint_scene **scene,
-                                 struct glint_asset **asset, size_t *assets,
-                                 struct glint_arena *arena, struct glint_error *err);
+// On GLINT_OK work->scene is complete.
+glint_status glint_import_decode(struct glint_import_work *work, struct glint_error *err);
+
+// Native JSON: pictures in data URIs and in encoded assets become assets, then the text is parsed.
+glint_status glint_import_native(struct glint_import_work *work, struct glint_error *err);
+
+// multipart/form-data: the .gltf or .obj in it, with the other parts as its files.
+glint_status glint_import_multipart(struct glint_import_work *work, struct glint_error *err);
 
 #endif

@@ -31,7 +31,7 @@ struct helper {
     struct child child[GLINT_IMPORT_CHILDREN];
 };
 
-enum { INPUT, OUTPUT, REPLY, FDS };
+enum { INPUT, ASSETS, OUTPUT, REPLY, FDS };
 
 static void close_all(const int fd[FDS])
 {
@@ -80,13 +80,18 @@ static void answer(int reply, int signal, int code, bool timed_out)
     close(reply);
 }
 
+static int by_number(const void *a, const void *b)
+{
+    return *(const int *)a - *(const int *)b;
+}
+
 static void child_main(const struct glint_import_request *request, const int fd[FDS], pid_t helper)
 {
-    const int low = fd[INPUT] < fd[OUTPUT] ? INPUT : OUTPUT;
-    const int keep[2] = {fd[low], fd[low == INPUT ? OUTPUT : INPUT]};
-    if (!glint_jail_close_others(keep, 2) || !glint_jail_enter(&request->limits, helper))
+    int keep[] = {fd[INPUT], fd[ASSETS], fd[OUTPUT]};
+    qsort(keep, 3, sizeof *keep, by_number);
+    if (!glint_jail_close_others(keep, 3) || !glint_jail_enter(&request->limits, helper))
         _exit(GLINT_CHILD_NOT_CONFINED);
-    glint_import_child(request, fd[INPUT], fd[OUTPUT]);
+    glint_import_child(request, fd[INPUT], fd[ASSETS], fd[OUTPUT]);
 }
 
 static void start(struct helper *h, const struct glint_import_request *request, const int fd[FDS])
@@ -97,6 +102,7 @@ static void start(struct helper *h, const struct glint_import_request *request, 
         child_main(request, fd, helper);
     const int pidfd = pid > 0 ? (int)syscall(SYS_pidfd_open, pid, 0) : -1;
     close(fd[INPUT]);
+    close(fd[ASSETS]);
     close(fd[OUTPUT]);
     if (pidfd < 0) {
         if (pid > 0) {

@@ -13,12 +13,13 @@
 
 #define GLINT_IMPORT_CHILDREN 8
 
-// One message on the SOCK_SEQPACKET socket, with three descriptors: input, output, reply.
+// One message on the SOCK_SEQPACKET socket, with four descriptors: input, assets, output, reply.
 struct glint_import_request {
-    uint32_t type; // enum glint_scene_type
-    uint32_t reserved;
-    uint64_t size; // of the input
+    uint32_t type;   // enum glint_scene_type
+    uint32_t assets; // there are some, laid out like an answer
+    uint64_t size;   // of the input
     struct glint_import_limits limits;
+    char boundary[GLINT_MAX_BOUNDARY + 2]; // of multipart
 };
 
 // Exit codes of a child.

@@ -12,15 +12,8 @@
 static const struct glint_json_limits limits = {
     .bytes = (size_t)1 << 30, .depth = 16, .values = (size_t)1 << 23};
 
-struct pictures {
-    struct glint_asset **asset;
-    size_t *assets;
-    struct glint_arena *arena;
-    struct glint_error *err;
-};
-
-// "/images/ID/data" with the id escaped (RFC 6901).
-static void pointer_to(char *out, size_t capacity, const char *id)
+// "/images/ID/MEMBER" with the id escaped (RFC 6901).
+static void pointer_to(char *out, size_t capacity, const char *id, const char *member)
 {
     size_t n = (size_t)snprintf(out, capacity, "/images/");
     for (; *id && n + 8 < capacity; id++) {
@@ -31,99 +24,120 @@ static void pointer_to(char *out, size_t capacity, const char *id)
             out[n++] = *id;
         }
     }
-    snprintf(out + n, capacity - n, "/data");
+    snprintf(out + n, capacity - n, "/%s", member);
 }
 
-static bool add_asset(struct pictures *p, const struct glint_pixels *pixels, char hex[65])
+static bool add_asset(struct glint_import_work *w, const struct glint_pixels *pixels, char hex[65],
+                      struct glint_error *err)
 {
-    struct glint_asset *more = realloc(*p->asset, (*p->assets + 1) * sizeof *more);
+    struct glint_asset *more = realloc(w->asset, (w->assets + 1) * sizeof *more);
     if (!more) {
-        glint_fail(p->err, GLINT_E_NOMEM, "", "no memory for an asset");
+        glint_fail(err, GLINT_E_NOMEM, "", "no memory for an asset");
         return false;
     }
-    *p->asset = more;
-    struct glint_asset *a = &more[*p->assets];
+    w->asset = more;
+    struct glint_asset *a = &more[w->assets];
     a->bytes = pixels->pixels;
     a->size = pixels->bytes;
     glint_sha256(a->bytes, a->size, a->sha256);
     memcpy(hex, a->sha256, 65);
-    ++*p->assets;
+    w->assets++;
     return true;
 }
 
-static bool decode(struct pictures *p, const char *uri, const char *pointer,
-                   struct glint_pixels *out)
+static bool decode_uri(struct glint_import_work *w, const char *uri, const char *pointer,
+                       struct glint_pixels *out, struct glint_error *err)
 {
     uint8_t *bytes = NULL;
     size_t size;
-    if (glint_data_uri_decode(uri, &bytes, &size, pointer, p->err))
+    if (glint_data_uri_decode(uri, &bytes, &size, pointer, err))
         return false;
-    const glint_status st = glint_image_decode(out, p->arena, bytes, size, pointer, p->err);
+    const glint_status st = glint_image_decode(out, &w->arena, bytes, size, pointer, err);
     free(bytes);
     return st == GLINT_OK;
 }
 
-// {"data": URI} becomes {"asset", "width", "height", "format"}; other members stay, for the parser
-// to judge.
-static void replace(struct pictures *p, cJSON *image)
+// An asset that is a file, not pixels. One that is not there is left for the parser to refuse.
+static bool decode_asset(struct glint_import_work *w, const char *name, const char *pointer,
+                         struct glint_pixels *out, struct glint_error *err)
+{
+    for (size_t i = 0; i < w->given; i++)
+        if (!strcmp(w->asset[i].sha256, name))
+            return glint_image_decode(out, &w->arena, w->asset[i].bytes, w->asset[i].size, pointer,
+                                      err) == GLINT_OK;
+    return false;
+}
+
+static void say_pixels(cJSON *image, const struct glint_pixels *pixels, const char *hex,
+                       struct glint_error *err)
+{
+    cJSON_DeleteItemFromObjectCaseSensitive(image, "data");
+    cJSON_DeleteItemFromObjectCaseSensitive(image, "asset");
+    const char *format = pixels->format == GLINT_IMAGE_RGBA8 ? "rgba8" : "rgba16f";
+    if (!cJSON_AddStringToObject(image, "asset", hex) ||
+        !cJSON_AddNumberToObject(image, "width", pixels->width) ||
+        !cJSON_AddNumberToObject(image, "height", pixels->height) ||
+        !cJSON_AddStringToObject(image, "format", format))
+        glint_fail(err, GLINT_E_NOMEM, "", "no memory for an image");
+}
+
+// {"data": URI}, or {"asset": NAME} of an encoded picture, becomes {"asset", "width", "height",
+// "format"}; other members stay, for the parser to judge.
+static void replace(struct glint_import_work *w, cJSON *image, struct glint_error *err)
 {
     char pointer[512], hex[65];
     struct glint_pixels pixels;
     const cJSON *data = cJSON_GetObjectItemCaseSensitive(image, "data");
-    if (!cJSON_IsString(data))
-        return;
-    pointer_to(pointer, sizeof pointer, image->string);
-    if (cJSON_GetObjectItemCaseSensitive(image, "asset")) {
-        glint_fail(p->err, GLINT_E_RANGE, pointer, "an image has either data or an asset");
+    const cJSON *asset = cJSON_GetObjectItemCaseSensitive(image, "asset");
+    pointer_to(pointer, sizeof pointer, image->string, data ? "data" : "asset");
+    if (data && asset) {
+        glint_fail(err, GLINT_E_RANGE, pointer, "an image has either data or an asset");
         return;
     }
-    if (!decode(p, data->valuestring, pointer, &pixels) || !add_asset(p, &pixels, hex))
-        return;
-    cJSON_DeleteItemFromObjectCaseSensitive(image, "data");
-    const char *format = pixels.format == GLINT_IMAGE_RGBA8 ? "rgba8" : "rgba16f";
-    if (!cJSON_AddStringToObject(image, "asset", hex) ||
-        !cJSON_AddNumberToObject(image, "width", pixels.width) ||
-        !cJSON_AddNumberToObject(image, "height", pixels.height) ||
-        !cJSON_AddStringToObject(image, "format", format))
-        glint_fail(p->err, GLINT_E_NOMEM, "", "no memory for an image");
+    bool decoded = false;
+    if (cJSON_IsString(data))
+        decoded = decode_uri(w, data->valuestring, pointer, &pixels, err);
+    else if (cJSON_IsString(asset) && !cJSON_GetObjectItemCaseSensitive(image, "width") &&
+             !cJSON_GetObjectItemCaseSensitive(image, "height") &&
+             !cJSON_GetObjectItemCaseSensitive(image, "format"))
+        decoded = decode_asset(w, asset->valuestring, pointer, &pixels, err);
+    if (decoded && add_asset(w, &pixels, hex, err))
+        say_pixels(image, &pixels, hex, err);
 }
 
 // The text with its pictures replaced, malloc'd; NULL after a fault.
-static char *with_assets(struct pictures *p, const char *text, size_t length)
+static char *with_assets(struct glint_import_work *w, struct glint_error *err)
 {
     cJSON *tree = NULL;
     char *out = NULL;
-    if (glint_json_parse(&tree, text, length, &limits, p->err))
+    if (glint_json_parse(&tree, (const char *)w->bytes, w->size, &limits, err))
         return NULL;
     cJSON *images = cJSON_GetObjectItemCaseSensitive(tree, "images");
     for (cJSON *i = cJSON_IsObject(images) ? images->child : NULL; i; i = i->next)
         if (cJSON_IsObject(i))
-            replace(p, i);
-    if (!p->err->status) {
+            replace(w, i, err);
+    if (!err->status) {
         out = cJSON_PrintUnformatted(tree);
         if (!out)
-            glint_fail(p->err, GLINT_E_NOMEM, "", "no memory for the text");
+            glint_fail(err, GLINT_E_NOMEM, "", "no memory for the text");
     }
     cJSON_Delete(tree);
     return out;
 }
 
-glint_status glint_import_native(const uint8_t *bytes, size_t size, struct glint_scene **scene,
-                                 struct glint_asset **asset, size_t *assets,
-                                 struct glint_arena *arena, struct glint_error *err)
+glint_status glint_import_native(struct glint_import_work *w, struct glint_error *err)
 {
-    const char *text = (const char *)bytes;
+    const char *text = (const char *)w->bytes;
+    size_t size = w->size;
     char *replaced = NULL;
-    *scene = NULL;
-    if (memmem(text, size, "\"data\"", 6)) {
-        struct pictures p = {asset, assets, arena, err};
-        replaced = with_assets(&p, text, size);
+    if (w->given || memmem(text, size, "\"data\"", 6)) {
+        replaced = with_assets(w, err);
         if (!replaced)
             return err->status;
         text = replaced;
         size = strlen(replaced);
     }
-    const glint_status st = glint_scene_parse(scene, text, size, *asset, *assets, err);
+    const glint_status st = glint_scene_parse(&w->scene, text, size, w->asset, w->assets, err);
     free(replaced);
     return st;
 }

@@ -19,6 +19,7 @@ struct glint_store {
     glint_devices *devices;
     glint_importer *importer;
     struct glint_import_limits limits;
+    glint_assets *assets;
     _Atomic uint64_t resident_bytes, imports, import_failures;
     pthread_mutex_t mutex;
     struct named scene[MAX_SCENES]; // by name
@@ -31,6 +32,12 @@ glint_status glint_store_create(glint_store **out, glint_devices *devices, glint
     *out = calloc(1, sizeof **out);
     if (!*out)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the scene store");
+    const glint_status st = glint_assets_create(&(*out)->assets, limits->memory_bytes / 2, err);
+    if (st) {
+        free(*out);
+        *out = NULL;
+        return st;
+    }
     (*out)->devices = devices;
     (*out)->importer = importer;
     (*out)->limits = *limits;
@@ -48,8 +55,14 @@ void glint_store_destroy(glint_store **store)
         free(s->scene[i].name);
     }
     pthread_mutex_destroy(&s->mutex);
+    glint_assets_destroy(&s->assets);
     free(s);
     *store = NULL;
+}
+
+glint_assets *glint_store_assets(glint_store *store)
+{
+    return store->assets;
 }
 
 static glint_status check_name(const char *name, struct glint_error *err)
@@ -178,13 +191,16 @@ static glint_status load(glint_store *s, const char *name, struct glint_import *
     return glint_revision_create(out, s->devices, name, import, usage, &s->resident_bytes, err);
 }
 
-static glint_status import_and_publish(glint_store *s, const char *name, enum glint_scene_type type,
-                                       const uint8_t *bytes, size_t size, const char *if_match,
-                                       glint_revision **out, bool *created, struct glint_error *err)
+static glint_status import_and_publish(glint_store *s, const char *name,
+                                       const struct glint_import_source *source,
+                                       const char *if_match, glint_revision **out, bool *created,
+                                       struct glint_error *err)
 {
     struct glint_import *import;
+    struct glint_import_source with_assets = *source;
+    with_assets.assets = s->assets;
     bool same;
-    glint_status st = glint_import_run(s->importer, type, bytes, size, &s->limits, &import, err);
+    glint_status st = glint_import_run(s->importer, &with_assets, &s->limits, &import, err);
     if (!st)
         st = load(s, name, import, out, &same, err);
     if (st)
@@ -199,8 +215,8 @@ static glint_status import_and_publish(glint_store *s, const char *name, enum gl
     return st;
 }
 
-glint_status glint_store_put(glint_store *s, const char *name, enum glint_scene_type type,
-                             const uint8_t *bytes, size_t size, const char *if_match,
+glint_status glint_store_put(glint_store *s, const char *name,
+                             const struct glint_import_source *source, const char *if_match,
                              glint_revision **out, bool *created, struct glint_error *err)
 {
     *out = NULL;
@@ -211,7 +227,7 @@ glint_status glint_store_put(glint_store *s, const char *name, enum glint_scene_
     if (st)
         return st;
     atomic_fetch_add(&s->imports, 1);
-    st = import_and_publish(s, name, type, bytes, size, if_match, out, created, err);
+    st = import_and_publish(s, name, source, if_match, out, created, err);
     if (st)
         atomic_fetch_add(&s->import_failures, 1);
     else

@@ -19,10 +19,15 @@ glint_status glint_store_create(glint_store **out, glint_devices *devices, glint
                                 const struct glint_import_limits *limits, struct glint_error *err);
 void glint_store_destroy(glint_store **store); // no revision may be in use
 
-// Imports, builds and publishes under `name` ([A-Za-z0-9._-]{1,128}). if_match: the revision that
-// must be current, or NULL. *created tells 201 from 200. *out is retained for the caller.
-glint_status glint_store_put(glint_store *store, const char *name, enum glint_scene_type type,
-                             const uint8_t *bytes, size_t size, const char *if_match,
+// What its scenes name by hash; borrowed. What clients put there may be half of what an import may
+// use.
+glint_assets *glint_store_assets(glint_store *store);
+
+// Imports, builds and publishes under `name` ([A-Za-z0-9._-]{1,128}); source->assets is set here.
+// if_match: the revision that must be current, or NULL. *created tells 201 from 200. *out is
+// retained for the caller.
+glint_status glint_store_put(glint_store *store, const char *name,
+                             const struct glint_import_source *source, const char *if_match,
                              glint_revision **out, bool *created, struct glint_error *err);
 glint_status glint_store_get(glint_store *store, const char *name, glint_revision **out,
                              struct glint_error *err);

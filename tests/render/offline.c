@@ -46,7 +46,9 @@ static glint_resident *load_bytes(const struct offline *o, enum glint_scene_type
     struct glint_scene *scene = NULL;
     glint_resident *resident = NULL;
     const struct glint_import_limits limits = {(size_t)8 << 30, 60.0};
-    if (glint_import_run(o->importer, type, bytes, size, &limits, &import, &err) ||
+    if (glint_import_run(o->importer,
+                         &(struct glint_import_source){.type = type, .bytes = bytes, .size = size},
+                         &limits, &import, &err) ||
         glint_scene_parse(&scene, import->text, import->length, import->asset, import->assets,
                           &err) ||
         glint_scene_complete(scene, &err) ||

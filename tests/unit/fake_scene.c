@@ -62,23 +62,21 @@ static void wait_while_held(void)
     pthread_mutex_unlock(&mutex);
 }
 
-glint_status glint_import_run(glint_importer *importer, enum glint_scene_type type,
-                              const uint8_t *bytes, size_t size,
+glint_status glint_import_run(glint_importer *importer, const struct glint_import_source *source,
                               const struct glint_import_limits *limits, struct glint_import **out,
                               struct glint_error *err)
 {
     (void)importer;
-    (void)type;
     (void)limits;
     wait_while_held();
     *out = NULL;
-    if (size >= 3 && !memcmp(bytes, "bad", 3))
+    if (source->size >= 3 && !memcmp(source->bytes, "bad", 3))
         return glint_fail(err, GLINT_E_SYNTAX, "", "the file is bad");
     *out = calloc(1, sizeof **out);
-    (*out)->text = malloc(size + 1);
-    memcpy((*out)->text, bytes, size);
-    (*out)->text[size] = '\0';
-    (*out)->length = size;
+    (*out)->text = malloc(source->size + 1);
+    memcpy((*out)->text, source->bytes, source->size);
+    (*out)->text[source->size] = '\0';
+    (*out)->length = source->size;
     (*out)->seconds = 0.25;
     atomic_fetch_add(&imports, 1);
     return GLINT_OK;

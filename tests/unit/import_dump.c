@@ -142,7 +142,9 @@ static void dump(glint_importer *importer, const struct options *o, const char *
         exit(1);
     }
     const double start = glint_now();
-    glint_status st = glint_import_run(importer, o->type, bytes, size, &o->limits, &im, &err);
+    glint_status st = glint_import_run(
+        importer, &(struct glint_import_source){.type = o->type, .bytes = bytes, .size = size},
+        &o->limits, &im, &err);
     const double run = glint_now() - start;
     const bool imported = st == GLINT_OK;
     if (imported)

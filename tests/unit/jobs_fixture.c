@@ -47,8 +47,11 @@ void fixture_start_within(struct fixture *f, uint32_t workers, uint64_t film_byt
     glint_devices *devices = fake_devices(workers);
     fake_reset();
     assert_int_equal(glint_store_create(&f->store, devices, NULL, &limits, NULL), GLINT_OK);
-    assert_int_equal(glint_store_put(f->store, "s", GLINT_SCENE_NATIVE, (const uint8_t *)scene,
-                                     strlen(scene), NULL, &revision, &created, NULL),
+    assert_int_equal(glint_store_put(f->store, "s",
+                                     &(struct glint_import_source){.type = GLINT_SCENE_NATIVE,
+                                                                   .bytes = (const uint8_t *)scene,
+                                                                   .size = strlen(scene)},
+                                     NULL, &revision, &created, NULL),
                      GLINT_OK);
     glint_revision_release(&revision);
     assert_int_equal(glint_jobs_create(&f->jobs, devices, f->store, film_bytes, NULL), GLINT_OK);

@@ -53,6 +53,14 @@ static int stop(void **state)
     return importer != NULL;
 }
 
+static glint_status run(enum glint_scene_type type, const void *bytes, size_t size,
+                        const struct glint_import_limits *limits, struct glint_import **out,
+                        struct glint_error *err)
+{
+    const struct glint_import_source source = {.type = type, .bytes = bytes, .size = size};
+    return glint_import_run(importer, &source, limits, out, err);
+}
+
 static void imports_a_square(void)
 {
     size_t size;
@@ -60,7 +68,7 @@ static void imports_a_square(void)
     struct glint_import *im;
     struct glint_scene *scene;
     struct glint_error err = {0};
-    if (glint_import_run(importer, GLINT_SCENE_GLB, glb, size, NULL, &im, &err))
+    if (run(GLINT_SCENE_GLB, glb, size, NULL, &im, &err))
         fail_msg("%s", glint_error_text(&err));
     assert_int_equal(glint_scene_parse(&scene, im->text, im->length, im->asset, im->assets, &err),
                      GLINT_OK);
@@ -78,7 +86,7 @@ static void refused(enum glint_scene_type type, const void *bytes, size_t size,
 {
     struct glint_import *im;
     struct glint_error err = {0};
-    const glint_status st = glint_import_run(importer, type, bytes, size, limits, &im, &err);
+    const glint_status st = run(type, bytes, size, limits, &im, &err);
     if (st != status)
         fail_msg("status %d: %s", st, glint_error_text(&err));
     assert_null(im);
@@ -101,8 +109,7 @@ static void camera_and_emitter_are_added_with_warnings(void **state)
     uint8_t *glb = glb_quad(GLB_QUAD_MESH "," NODE, &size);
     struct glint_import *im;
     struct glint_scene *scene;
-    assert_int_equal(glint_import_run(importer, GLINT_SCENE_GLB, glb, size, NULL, &im, NULL),
-                     GLINT_OK);
+    assert_int_equal(run(GLINT_SCENE_GLB, glb, size, NULL, &im, NULL), GLINT_OK);
     assert_int_equal(im->warnings, 2);
     assert_int_equal(glint_scene_parse(&scene, im->text, im->length, im->asset, im->assets, NULL),
                      GLINT_OK);
@@ -120,10 +127,8 @@ static void equal_files_give_equal_text(void **state)
     size_t size;
     uint8_t *glb = glb_quad(GLB_QUAD_MESH "," NODE, &size);
     struct glint_import *a, *b;
-    assert_int_equal(glint_import_run(importer, GLINT_SCENE_GLB, glb, size, NULL, &a, NULL),
-                     GLINT_OK);
-    assert_int_equal(glint_import_run(importer, GLINT_SCENE_GLB, glb, size, NULL, &b, NULL),
-                     GLINT_OK);
+    assert_int_equal(run(GLINT_SCENE_GLB, glb, size, NULL, &a, NULL), GLINT_OK);
+    assert_int_equal(run(GLINT_SCENE_GLB, glb, size, NULL, &b, NULL), GLINT_OK);
     assert_string_equal(a->text, b->text);
     assert_int_equal(a->assets, b->assets);
     glint_import_destroy(&a);
@@ -165,8 +170,7 @@ static void pictures_in_native_text_become_assets(void **state)
     struct glint_import *im;
     struct glint_scene *s;
     struct glint_error err = {0};
-    if (glint_import_run(importer, GLINT_SCENE_NATIVE, (const uint8_t *)text, strlen(text), NULL,
-                         &im, &err))
+    if (run(GLINT_SCENE_NATIVE, text, strlen(text), NULL, &im, &err))
         fail_msg("%s", glint_error_text(&err));
     assert_null(strstr(im->text, "data:"));
     assert_int_equal(glint_scene_parse(&s, im->text, im->length, im->asset, im->assets, NULL),
@@ -302,7 +306,7 @@ static void *import_slowly(void *user)
 {
     struct slow *s = user;
     struct glint_import *im;
-    s->status = glint_import_run(importer, GLINT_SCENE_GLB, s->glb, s->size, NULL, &im, &s->err);
+    s->status = run(GLINT_SCENE_GLB, s->glb, s->size, NULL, &im, &s->err);
     glint_import_destroy(&im);
     return NULL;
 }
@@ -368,9 +372,12 @@ static void without_its_helper_an_import_fails_and_does_not_wait(void **state)
     assert_int_equal(fscanf(f, "%d %d", &pids[0], &pids[1]), 2);
     fclose(f);
     kill(pids[0] == first ? pids[1] : pids[0], SIGKILL);
-    assert_int_equal(
-        glint_import_run(lost, GLINT_SCENE_GLB, (const uint8_t *)"x", 1, NULL, &im, &err),
-        GLINT_E_INTERNAL);
+    assert_int_equal(glint_import_run(lost,
+                                      &(struct glint_import_source){.type = GLINT_SCENE_GLB,
+                                                                    .bytes = (const uint8_t *)"x",
+                                                                    .size = 1},
+                                      NULL, &im, &err),
+                     GLINT_E_INTERNAL);
     assert_string_equal(err.fault[0].detail, "the import helper is gone");
     glint_error_finish(&err);
     glint_importer_destroy(&lost);

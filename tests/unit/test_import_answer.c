@@ -149,7 +149,7 @@ static void every_cut_is_refused(void **state)
         struct glint_import *im;
         struct glint_error err = {0};
         assert_int_equal(ftruncate(fd, n), 0);
-        assert_int_equal(glint_answer_read(fd, &im, &err), GLINT_E_INTERNAL);
+        assert_int_equal(glint_answer_read(fd, &im, &err), GLINT_E_RANGE);
         glint_error_finish(&err);
     }
     close(fd);

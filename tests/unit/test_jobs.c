@@ -390,8 +390,11 @@ static void names_that_share_an_id_are_warned_of_where_mattes_are_asked(void **s
     fixture_start(&f, 1);
     glint_revision *revision;
     bool created;
-    assert_int_equal(glint_store_put(f.store, "twins", GLINT_SCENE_NATIVE, (const uint8_t *)scene,
-                                     strlen(scene), NULL, &revision, &created, NULL),
+    assert_int_equal(glint_store_put(f.store, "twins",
+                                     &(struct glint_import_source){.type = GLINT_SCENE_NATIVE,
+                                                                   .bytes = (const uint8_t *)scene,
+                                                                   .size = strlen(scene)},
+                                     NULL, &revision, &created, NULL),
                      GLINT_OK);
     glint_revision_release(&revision);
     const char *mattes = fixture_submit(&f, "{'scene': 'twins', " SMALL "}");

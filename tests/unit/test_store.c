@@ -37,8 +37,11 @@ static glint_status put_if(glint_store *store, const char *name, const char *tex
                            const char *if_match, glint_revision **out, bool *created)
 {
     struct glint_error err = {0};
-    const glint_status st = glint_store_put(store, name, GLINT_SCENE_NATIVE, (const uint8_t *)text,
-                                            strlen(text), if_match, out, created, &err);
+    const glint_status st = glint_store_put(
+        store, name,
+        &(struct glint_import_source){
+            .type = GLINT_SCENE_NATIVE, .bytes = (const uint8_t *)text, .size = strlen(text)},
+        if_match, out, created, &err);
     assert_int_equal(err.status, st);
     glint_error_finish(&err);
     return st;
