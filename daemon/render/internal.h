@@ -30,7 +30,7 @@ struct glint_view {
     atomic_uint references;
     glint_render *render;          // outlives it
     glint_resident *scene;         // retained
-    struct glint_pose *pose;       // retained; NULL: everything as the scene has it
+    const struct glint_pose *pose; // lives as long as `scene`; NULL: everything as the scene has it
     struct glint_job job;          // a copy that borrows the strings
     struct glint_camera camera;
     uint32_t camera_index; // in the scene, GLINT_NONE: the job's own

@@ -32,8 +32,8 @@ struct glint_slice {
 // the scene.
 uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struct glint_job *job);
 
-// Compiles the job's program variant and allocates its film. Retains `scene` and `pose`, the one
-// that `scene` was made with (NULL: everything as the scene has it).
+// Compiles the job's program variant and allocates its film. Retains `scene`. pose: the one
+// that `scene` was made with, which lives as long as it; NULL: everything as the scene has it.
 //   GLINT_E_RANGE     the camera is not in the scene, ... (pointers into the job)
 //   GLINT_E_CAPACITY  the film does not fit
 //   GLINT_E_DEVICE    the program does not build; the log is in *err

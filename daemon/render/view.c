@@ -69,7 +69,7 @@ glint_status glint_view_create(struct glint_view **out, glint_render *render, gl
     atomic_init(&v->references, 1);
     v->render = render;
     v->scene = glint_resident_retain(scene);
-    v->pose = pose ? glint_pose_retain(pose) : NULL;
+    v->pose = pose;
     v->job = *job;
     glint_status st = choose_camera(v, err);
     if (!st)
@@ -99,7 +99,6 @@ void glint_view_release(struct glint_view **view)
         return;
     glint_buffer_destroy(&v->frame);
     glint_program_release(&v->program);
-    glint_pose_release(&v->pose);
     glint_resident_release(&v->scene);
     free(v);
 }
