@@ -43,5 +43,12 @@ __kernel void accumulate_aovs(const __global float *restrict wave, const gk_u32 
     gk_film_add(albedo, i, GK_LOAD(GK_COL_AR, lane + i));
     gk_film_add(albedo + 2 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_AG, lane + i));
     gk_film_add(albedo + 4 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_AB, lane + i));
+#ifdef GK_FLOW
+    __global float *flow = tile + GK_AOV_FLOW * GK_TILE_PIXELS;
+    gk_film_add(flow, i, GK_LOAD(GK_COL_FORWARD_U, lane + i));
+    gk_film_add(flow + 2 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_FORWARD_V, lane + i));
+    gk_film_add(flow + 4 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_BACKWARD_U, lane + i));
+    gk_film_add(flow + 6 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_BACKWARD_V, lane + i));
+#endif
 }
 #endif

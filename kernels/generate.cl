@@ -26,6 +26,23 @@ __kernel void generate_camera_rays(__global float *restrict wave, const gk_u32 s
     GK_STORE(GK_COL_BETA_G, i, 1.0f);
     GK_STORE(GK_COL_BETA_B, i, 1.0f);
     GK_STORE(GK_COL_PDF, i, -1.0f);
+#ifdef GK_SHUTTER
+    GK_STORE(GK_COL_TIME, i, ray.time);
+#endif
+#ifdef GK_BLEND
+    gk_u32 key, reserved;
+    gk_sample_2d_bits(lane.base, lane.index, GK_PAIR_BOUNCE(0u, GK_PAIR_ALPHA), &key, &reserved);
+    GK_STORE_U32(GK_COL_PASSAGE, i, key);
+#endif
+#ifdef GK_SOLIDS
+    GK_STORE_U32(GK_COL_SOLID, i, frame->solid);
+#endif
+#ifdef GK_NESTED
+    GK_STORE_U32(GK_COL_NESTED0, i, frame->nested[0]);
+    GK_STORE_U32(GK_COL_NESTED1, i, frame->nested[1]);
+    GK_STORE_U32(GK_COL_NESTED2, i, frame->nested[2]);
+    GK_STORE_U32(GK_COL_NESTED3, i, frame->nested[3]);
+#endif
     GK_STORE_U32(GK_COL_LANE, i, i);
     GK_STORE_U32(GK_COL_DEPTH, i, 0u);
     GK_STORE_U32(GK_COL_GEOMETRY, i, GK_NONE);

@@ -30,11 +30,39 @@ GK_INLINE struct gk_lane gk_lane_at(const GK_GLOBAL struct gk_wave_rect *rect, g
     return l;
 }
 
+#if defined(GK_MOTION) || defined(GK_CAMERA_MOTION)
+#define GK_SHUTTER // paths have a time
+#endif
+
 struct gk_ray {
     struct gk_vec o, d;
+    gk_f32 time; // 0..1 of the shutter
 };
 
-GK_INLINE struct gk_ray gk_camera_ray(const GK_GLOBAL struct gk_frame *f, struct gk_lane lane)
+// One of the vectors of gk_frame.camera_key, `k` their place in it, at a time.
+GK_INLINE struct gk_vec gk_camera_vector(const GK_GLOBAL struct gk_frame *f,
+                                         const GK_GLOBAL gk_f32 *still, gk_u32 k, gk_f32 time)
+{
+#ifdef GK_CAMERA_MOTION
+    const gk_f32 at = time * (gk_f32)(gk_i32)f->motion_segments;
+    const gk_i32 last = gk_max_i32((gk_i32)f->motion_segments - 1, 0);
+    const gk_i32 segment = gk_min_i32((gk_i32)at, last);
+    const GK_GLOBAL gk_f32 *from = &f->camera_key[0][0] + segment * 15 + (gk_i32)k;
+    const struct gk_vec a = gk_vec(from[0], from[1], from[2]);
+    const struct gk_vec b = gk_vec(from[15], from[16], from[17]);
+    (void)still;
+    return gk_along(a, gk_sub(b, a), at - (gk_f32)segment);
+#else
+    (void)f;
+    (void)k;
+    (void)time;
+    return gk_vec(still[0], still[1], still[2]);
+#endif
+}
+
+// Position of the sample on the image, in pixels, y down.
+GK_INLINE void gk_camera_raster(const GK_GLOBAL struct gk_frame *f, struct gk_lane lane, gk_f32 *px,
+                                gk_f32 *py)
 {
     gk_f32 u, v;
     gk_sample_2d(lane.base, lane.index, GK_PAIR_FILTER, &u, &v);
@@ -45,14 +73,33 @@ GK_INLINE struct gk_ray gk_camera_ray(const GK_GLOBAL struct gk_frame *f, struct
     dx = bell ? gk_filter_blackman_harris(u, f->filter_width) : dx;
     dy = bell ? gk_filter_blackman_harris(v, f->filter_width) : dy;
 #endif
-    const gk_f32 px = (gk_f32)(gk_i32)lane.x + 0.5f + dx;
-    const gk_f32 py = (gk_f32)(gk_i32)lane.y + 0.5f + dy;
-    const struct gk_vec right = gk_vec(f->right[0], f->right[1], f->right[2]);
-    const struct gk_vec down = gk_vec(f->down[0], f->down[1], f->down[2]);
-    const struct gk_vec corner = gk_vec(f->corner[0], f->corner[1], f->corner[2]);
-    const struct gk_vec through = gk_along(gk_along(corner, right, px), down, py);
+    *px = (gk_f32)(gk_i32)lane.x + 0.5f + dx;
+    *py = (gk_f32)(gk_i32)lane.y + 0.5f + dy;
+}
+
+GK_INLINE gk_f32 gk_camera_time(struct gk_lane lane)
+{
+#ifdef GK_SHUTTER
+    gk_f32 time, reserved;
+    gk_sample_2d(lane.base, lane.index, GK_PAIR_TIME, &time, &reserved);
+    return time;
+#else
+    (void)lane;
+    return 0.0f;
+#endif
+}
+
+GK_INLINE struct gk_ray gk_camera_ray(const GK_GLOBAL struct gk_frame *f, struct gk_lane lane)
+{
+    gk_f32 px, py;
+    gk_camera_raster(f, lane, &px, &py);
     struct gk_ray ray;
-    ray.o = gk_vec(f->origin[0], f->origin[1], f->origin[2]);
+    ray.time = gk_camera_time(lane);
+    const struct gk_vec right = gk_camera_vector(f, f->right, 3u, ray.time);
+    const struct gk_vec down = gk_camera_vector(f, f->down, 6u, ray.time);
+    const struct gk_vec corner = gk_camera_vector(f, f->corner, 9u, ray.time);
+    const struct gk_vec through = gk_along(gk_along(corner, right, px), down, py);
+    ray.o = gk_camera_vector(f, f->origin, 0u, ray.time);
     ray.d = gk_normalise(through);
 #ifdef GK_LENS
     gk_f32 lu, lv, sine, cosine;
@@ -66,6 +113,12 @@ GK_INLINE struct gk_ray gk_camera_ray(const GK_GLOBAL struct gk_frame *f, struct
     const struct gk_vec bent = gk_normalise(gk_sub(gk_scale(through, f->focus), shift));
     ray.o = gk_vec_select(ray.o, gk_add(ray.o, shift), f->has_lens != 0u);
     ray.d = gk_vec_select(ray.d, bent, f->has_lens != 0u);
+#endif
+#ifdef GK_ORTHOGRAPHIC
+    const struct gk_vec forward = gk_camera_vector(f, f->forward, 12u, ray.time);
+    const struct gk_vec from = gk_add(gk_camera_vector(f, f->origin, 0u, ray.time), through);
+    ray.o = gk_vec_select(ray.o, from, f->is_orthographic != 0u);
+    ray.d = gk_vec_select(ray.d, gk_normalise(forward), f->is_orthographic != 0u);
 #endif
     return ray;
 }

@@ -20,6 +20,9 @@
 #define GK_AOV_NORMAL 1 // [x, y, z] sums
 #define GK_AOV_ALBEDO 7 // [r, g, b] sums
 #define GK_PLANES_AOV 13
+// With motion vectors, after those: [forward u, v, backward u, v] sums.
+#define GK_AOV_FLOW 13
+#define GK_PLANES_FLOW 8
 
 // sum += x, at word i of a two-plane sum: within 4 2^-24 of the exact sum of 2 10^7 positive
 // addends, relative.

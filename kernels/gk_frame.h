@@ -4,6 +4,8 @@
 
 #include "kernels/gk_types.h"
 
+#define GK_CAMERA_KEYS 9
+
 struct gk_frame {
     gk_f32 origin[3];  // of the camera, relative to the scene's centre
     gk_f32 right[3];   // world vector across one pixel on the plane at distance 1
@@ -26,7 +28,9 @@ struct gk_frame {
     gk_u32 has_blackman_harris; // else the filter is a box
     gk_u32 frame;
     gk_u32 is_orthographic; // then right, down and corner are in metres, rays along `forward`
-    gk_f32 origin1[3], right1[3], down1[3], corner1[3], forward1[3]; // when the shutter closes
+    // origin, right, down, corner, forward at each motion key, the first ones again; under
+    // GK_CAMERA_MOTION
+    gk_f32 camera_key[GK_CAMERA_KEYS][15];
     gk_u32 motion_segments; // between the keys of what moves, 0: nothing does
     gk_u32 light_stride;    // lights from one key to the next, 0: they stand still
     gk_f32 medium_density;  // 1/m
@@ -38,9 +42,12 @@ struct gk_frame {
     gk_u32 nested[4];
     gk_f32 to_after[12],
         to_before[12]; // to (x w, y w, w) in pixels, y down; row-major, a frame off
+    gk_f32 grid_origin[3], grid_scale[3]; // light grid: least corner, cells per metre
+    gk_u32 grid_size[3], grid_clusters;   // cells along each axis; 0 clusters: no grid
+    gk_u32 grid_members, grid_owners;     // words of its table (gk_light_grid.h)
     gk_u32 unused;
 };
-GK_LAYOUT(gk_frame, 400);
+GK_LAYOUT(gk_frame, 928);
 
 // Where the lanes of one launch lie in the image.
 // A lane is sample * pixels + pixel; pixels are tiles of 16x16 side by side, row-major in a tile.

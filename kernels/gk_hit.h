@@ -17,7 +17,6 @@ struct gk_resident {
     const GK_GLOBAL struct gk_turn *turn;
     const GK_GLOBAL struct gk_flow *flow;
     const GK_GLOBAL struct gk_material *material;
-    const GK_GLOBAL gk_u32 *interior; // material by rank - 1 among the prioritised solids
     const GK_GLOBAL gk_f32 *energy; // table of gk_bsdf.h
     struct gk_texture_pools textures;
 };

@@ -26,7 +26,9 @@
 #define GK_PAIR_LOBE 2u // u: which lobe, v: roulette
 #define GK_PAIR_BSDF 3u // direction
 #define GK_PAIR_ALPHA 4u
-// 5..7: reserved for the bounce
+#define GK_PAIR_MEDIUM 5u // u: distance, v: reserved
+#define GK_PAIR_LIGHT_MEMBER 6u // which light of its cluster
+#define GK_PAIR_LIGHT_PICK 7u   // u: which of four lights, v: reserved
 
 // Bijective mixer of 32 bits. Source: Wellons, "lowbias32", github.com/skeeto/hash-prospector.
 GK_INLINE gk_u32 gk_mix32(gk_u32 x)

@@ -11,14 +11,18 @@ kernel_headers = \
 	kernels/gk_fresnel.h \
 	kernels/gk_hit.h \
 	kernels/gk_light.h \
+	kernels/gk_light_grid.h \
 	kernels/gk_math.h \
 	kernels/gk_matte.h \
+	kernels/gk_medium.h \
 	kernels/gk_sampler.h \
 	kernels/gk_scene.h \
+	kernels/gk_solid.h \
 	kernels/gk_surface.h \
 	kernels/gk_texture.h \
 	kernels/gk_types.h \
 	kernels/gk_vec.h \
+	kernels/gk_vertex.h \
 	kernels/gk_wave.h
 
 kernel_sources = \
@@ -29,10 +33,11 @@ kernel_sources = \
 	kernels/shadow.cl
 
 # Every -D that the effects table can set: the kernels are checked with none and with all of them.
-kernel_options = -DGK_AOVS -DGK_EMISSION -DGK_ENVIRONMENT_CONSTANT -DGK_ENVIRONMENT_IMAGE \
-	-DGK_FILM_FP64 -DGK_FILTER_BLACKMAN_HARRIS -DGK_INSTANCES -DGK_LENS -DGK_LIGHTS \
-	-DGK_LIGHTS_UNIFORM -DGK_LIGHT_TABLE -DGK_MICROFACET -DGK_NORMAL_MAPS -DGK_TEXTURES \
-	-DGK_TEXTURE_POOLS=4 -DGK_TRANSMISSION
+kernel_options = -DGK_AOVS -DGK_BLEND -DGK_CAMERA_MOTION -DGK_CULL -DGK_EMISSION \
+	-DGK_ENVIRONMENT_CONSTANT -DGK_ENVIRONMENT_IMAGE -DGK_FILM_FP64 -DGK_FILTER_BLACKMAN_HARRIS \
+	-DGK_FLOW -DGK_INSTANCES -DGK_LENS -DGK_LIGHTS -DGK_LIGHTS_UNIFORM -DGK_LIGHT_GRID \
+	-DGK_LIGHT_TABLE -DGK_MEDIUM -DGK_MICROFACET -DGK_MOTION -DGK_NESTED -DGK_NORMAL_MAPS \
+	-DGK_ORTHOGRAPHIC -DGK_SOLIDS -DGK_TEXTURES -DGK_TEXTURE_POOLS=4 -DGK_TRANSMISSION
 
 kernels = $(kernel_headers) $(kernel_sources)
 EXTRA_DIST += $(kernels)

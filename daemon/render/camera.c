@@ -8,42 +8,140 @@ struct axes {
     double right[3], up[3], forward[3], position[3];
 };
 
-static void unit(const float *column, double sign, double out[3])
+static void unit(const double *column, double sign, double out[3])
 {
-    const double length = sqrt((double)column[0] * column[0] + (double)column[1] * column[1] +
-                               (double)column[2] * column[2]);
+    const double length =
+        sqrt(column[0] * column[0] + column[1] * column[1] + column[2] * column[2]);
     for (int k = 0; k < 3; k++)
         out[k] = sign * column[k] / length;
 }
 
-static void axes_of(const struct glint_camera *c, struct axes *a)
+// The axes of a transform to the world.
+static void axes_of(const double m[16], struct axes *a)
 {
-    unit(c->transform, 1.0, a->right);
-    unit(c->transform + 4, 1.0, a->up);
-    unit(c->transform + 8, -1.0, a->forward);
-    for (int k = 0; k < 3; k++)
-        a->position[k] = c->transform[12 + k];
+    unit(m, 1.0, a->right);
+    unit(m + 4, 1.0, a->up);
+    unit(m + 8, -1.0, a->forward);
+    memcpy(a->position, m + 12, sizeof a->position);
 }
 
-static void fill_camera(const struct glint_view *r, struct gk_frame *f)
+static void axes_at(const struct glint_view *v, uint32_t key, struct axes *a)
+{
+    double m[16];
+    if (v->camera_index == GLINT_NONE)
+        for (int k = 0; k < 16; k++)
+            m[k] = v->camera.transform[k];
+    else
+        glint_pose_camera_at(v->pose, glint_resident_scene(v->scene), v->camera_index, key, m);
+    axes_of(m, a);
+}
+
+bool glint_render_camera_moves(const struct glint_view *v)
+{
+    return v->pose && v->camera_index != GLINT_NONE && v->pose->camera[v->camera_index].moves;
+}
+
+// Metres, or tangents on the plane at distance 1, that a pixel is wide.
+static double pixel_size(const struct glint_view *v)
+{
+    const bool flat = v->camera.projection == GLINT_ORTHOGRAPHIC;
+    return 2.0 * (flat ? (double)v->camera.ymag : tan(0.5 * v->camera.yfov)) / v->job.height;
+}
+
+// origin, right, down, corner, forward of gk_frame.
+static void fill_vectors(const struct glint_view *v, const struct axes *a, float out[15])
+{
+    const double pixel = pixel_size(v);
+    const double across = 0.5 * pixel * v->job.width, along = 0.5 * pixel * v->job.height;
+    const double ahead = v->camera.projection == GLINT_ORTHOGRAPHIC ? 0.0 : 1.0;
+    double centre[3];
+    glint_resident_centre(v->scene, centre);
+    for (int k = 0; k < 3; k++) {
+        out[k] = (float)(a->position[k] - centre[k]);
+        out[3 + k] = (float)(a->right[k] * pixel);
+        out[6 + k] = (float)(-a->up[k] * pixel);
+        out[9 + k] = (float)(a->forward[k] * ahead - a->right[k] * across + a->up[k] * along);
+        out[12 + k] = (float)a->forward[k];
+    }
+}
+
+static void fill_camera(const struct glint_view *v, struct gk_frame *f)
 {
     struct axes a;
-    double centre[3];
-    axes_of(&r->camera, &a);
-    glint_resident_centre(r->scene, centre);
-    const double pixel = 2.0 * tan(0.5 * r->camera.yfov) / r->job.height;
-    const double half_width = 0.5 * pixel * r->job.width, half_height = 0.5 * pixel * r->job.height;
-    for (int k = 0; k < 3; k++) {
-        f->origin[k] = (float)(a.position[k] - centre[k]);
-        f->right[k] = (float)(a.right[k] * pixel);
-        f->down[k] = (float)(-a.up[k] * pixel);
-        f->corner[k] = (float)(a.forward[k] - a.right[k] * half_width + a.up[k] * half_height);
-        f->forward[k] = (float)a.forward[k];
-        f->lens_right[k] = (float)(a.right[k] * r->camera.lens_radius);
-        f->lens_up[k] = (float)(a.up[k] * r->camera.lens_radius);
+    const uint32_t keys = v->pose ? v->pose->keys : 1;
+    for (uint32_t k = GK_CAMERA_KEYS; k-- > 0;) {
+        axes_at(v, k < keys ? k : keys - 1, &a);
+        fill_vectors(v, &a, f->camera_key[k]);
     }
-    f->focus = r->camera.focus_distance;
-    f->has_lens = r->camera.lens_radius > 0.0f;
+    memcpy(f->origin, f->camera_key[0], sizeof f->origin);
+    memcpy(f->right, f->camera_key[0] + 3, sizeof f->right);
+    memcpy(f->down, f->camera_key[0] + 6, sizeof f->down);
+    memcpy(f->corner, f->camera_key[0] + 9, sizeof f->corner);
+    memcpy(f->forward, f->camera_key[0] + 12, sizeof f->forward);
+    for (int k = 0; k < 3; k++) {
+        f->lens_right[k] = (float)(a.right[k] * v->camera.lens_radius);
+        f->lens_up[k] = (float)(a.up[k] * v->camera.lens_radius);
+    }
+    f->focus = v->camera.focus_distance;
+    f->has_lens = v->camera.lens_radius > 0.0f;
+    f->is_orthographic = v->camera.projection == GLINT_ORTHOGRAPHIC;
+    f->motion_segments = keys - 1;
+}
+
+// Homogeneous pixel coordinates of points relative to the scene's centre, for axes `a`.
+static void fill_to_pixel(const struct glint_view *v, const struct axes *a, float out[12])
+{
+    const double pixel = pixel_size(v), w = 0.5 * v->job.width, h = 0.5 * v->job.height;
+    const bool flat = v->camera.projection == GLINT_ORTHOGRAPHIC;
+    double centre[3], row[12] = {0};
+    glint_resident_centre(v->scene, centre);
+    for (int k = 0; k < 3; k++) {
+        const double ahead = flat ? 0.0 : a->forward[k];
+        const double from = centre[k] - a->position[k];
+        row[k] = a->right[k] / pixel + w * ahead;
+        row[4 + k] = -a->up[k] / pixel + h * ahead;
+        row[8 + k] = ahead;
+        for (int i = 0; i < 3; i++)
+            row[4 * i + 3] += row[4 * i + k] * from;
+    }
+    if (flat) {
+        row[3] += w;
+        row[7] += h;
+        row[11] = 1.0;
+    }
+    for (int i = 0; i < 12; i++)
+        out[i] = (float)row[i];
+}
+
+// The camera a frame later and a frame earlier.
+static void fill_flow(const struct glint_view *v, struct gk_frame *f)
+{
+    struct axes later, earlier;
+    axes_at(v, 0, &later);
+    earlier = later;
+    const bool named = v->pose && v->camera_index != GLINT_NONE;
+    const double *m = named ? v->pose->camera[v->camera_index].flow_transform : NULL;
+    if (m) {
+        axes_of(m, &earlier);
+        axes_of(m + 16, &later);
+    }
+    fill_to_pixel(v, &later, f->to_after);
+    fill_to_pixel(v, &earlier, f->to_before);
+}
+
+static void fill_medium(const struct glint_view *v, struct gk_frame *f)
+{
+    const struct glint_scene *s = glint_resident_scene(v->scene);
+    double centre[3];
+    glint_resident_centre(v->scene, centre);
+    const struct glint_medium *m = s->media ? s->medium : NULL;
+    for (int k = 0; k < 3; k++) {
+        f->medium_low[k] = m && m->bounded ? (float)(m->box[k] - centre[k]) : -INFINITY;
+        f->medium_high[k] = m && m->bounded ? (float)(m->box[3 + k] - centre[k]) : INFINITY;
+        f->medium_albedo[k] = m ? m->albedo[k] : 0.0f;
+    }
+    f->medium_density = m ? m->density : 0.0f;
+    f->medium_g = m ? m->g : 0.0f;
 }
 
 static void fill_lighting(const struct glint_view *r, struct gk_frame *f)
@@ -59,6 +157,12 @@ static void fill_lighting(const struct glint_view *r, struct gk_frame *f)
     f->env_sin = sinf(l->env_rotation);
     f->env_choice = l->env_choice;
     f->has_env_image = glint_resident_facts(r->scene)->environment_image;
+    memcpy(f->grid_origin, l->grid_origin, sizeof f->grid_origin);
+    memcpy(f->grid_scale, l->grid_scale, sizeof f->grid_scale);
+    memcpy(f->grid_size, l->grid_size, sizeof f->grid_size);
+    f->grid_clusters = l->grid_clusters;
+    f->grid_members = l->grid_members;
+    f->grid_owners = l->grid_owners;
 }
 
 // Bounces before roulette: the first ones carry most of a picture.
@@ -68,6 +172,8 @@ void glint_render_constants(const struct glint_view *r, struct gk_frame *out)
 {
     memset(out, 0, sizeof *out);
     fill_camera(r, out);
+    fill_flow(r, out);
+    fill_medium(r, out);
     fill_lighting(r, out);
     out->seed = r->job.seed;
     out->frame = r->job.frame;
@@ -83,7 +189,7 @@ void glint_render_matrices(const struct glint_view *r, float world_to_camera[16]
                            float world_to_ndc[16])
 {
     struct axes a;
-    axes_of(&r->camera, &a);
+    axes_at(r, 0, &a);
     const double *axis[3] = {a.right, a.up, a.forward};
     double m[16] = {0};
     for (int j = 0; j < 3; j++)
@@ -92,10 +198,26 @@ void glint_render_matrices(const struct glint_view *r, float world_to_camera[16]
             m[12 + j] -= a.position[i] * axis[j][i];
         }
     m[15] = 1.0;
-    const double ty = tan(0.5 * r->camera.yfov), tx = ty * r->job.width / r->job.height;
-    // x/(2 tx z) + 1/2, 1/2 - y/(2 ty z); depth 1 - near/z with near 1 mm.
-    const double p[16] = {0.5 / tx, 0,   0,   0,   0, -0.5 / ty, 0,     0,
-                          0.5,      0.5, 1.0, 1.0, 0, 0,         -1e-3, 0};
+    const double ty = 0.5 * pixel_size(r) * r->job.height, tx = ty * r->job.width / r->job.height;
+    const bool flat = r->camera.projection == GLINT_ORTHOGRAPHIC;
+    // x/(2 tx z) + 1/2, 1/2 - y/(2 ty z), depth 1 - near/z with near 1 mm; not over z where rays
+    // are parallel.
+    const double p[16] = {0.5 / tx,
+                          0,
+                          0,
+                          0,
+                          0,
+                          -0.5 / ty,
+                          0,
+                          0,
+                          flat ? 0.0 : 0.5,
+                          flat ? 0.0 : 0.5,
+                          1.0,
+                          flat ? 0.0 : 1.0,
+                          flat ? 0.5 : 0.0,
+                          flat ? 0.5 : 0.0,
+                          -1e-3,
+                          flat ? 1.0 : 0.0};
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++) {
             double sum = 0.0;

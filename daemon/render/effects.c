@@ -1,6 +1,7 @@
 #include "render/effects.h"
 
 #include "kernels/gk_film.h"
+#include "kernels/gk_wave.h"
 
 #include <string.h>
 
@@ -25,6 +26,12 @@ CALLED_BY_FACT(microfacet)
 CALLED_BY_FACT(transmission)
 CALLED_BY_FACT(textures)
 CALLED_BY_FACT(normal_maps)
+CALLED_BY_FACT(solids)
+CALLED_BY_FACT(nested)
+CALLED_BY_FACT(medium)
+CALLED_BY_FACT(culling)
+CALLED_BY_FACT(blend)
+CALLED_BY_FACT(motion)
 CALLED_BY_FACT(instances)
 CALLED_BY_FACT(cutout)
 CALLED_BY_FACT(emission)
@@ -47,6 +54,21 @@ static bool calls_lens(const struct glint_effect_input *in)
     return in->camera->lens_radius > 0.0f;
 }
 
+static bool calls_camera_motion(const struct glint_effect_input *in)
+{
+    return in->camera_moves;
+}
+
+static bool calls_orthographic(const struct glint_effect_input *in)
+{
+    return in->camera->projection == GLINT_ORTHOGRAPHIC;
+}
+
+static bool calls_flow(const struct glint_effect_input *in)
+{
+    return in->job->outputs & GLINT_OUT_MOTION;
+}
+
 static bool calls_blackman_harris(const struct glint_effect_input *in)
 {
     return in->job->filter == GLINT_FILTER_BLACKMAN_HARRIS;
@@ -54,7 +76,8 @@ static bool calls_blackman_harris(const struct glint_effect_input *in)
 
 static bool calls_aovs(const struct glint_effect_input *in)
 {
-    return in->job->outputs & (GLINT_OUT_DEPTH | GLINT_OUT_NORMAL | GLINT_OUT_ALBEDO);
+    return in->job->outputs &
+           (GLINT_OUT_DEPTH | GLINT_OUT_NORMAL | GLINT_OUT_ALBEDO | GLINT_OUT_MOTION);
 }
 
 static bool calls_coverage(const struct glint_effect_input *in)
@@ -64,7 +87,12 @@ static bool calls_coverage(const struct glint_effect_input *in)
 
 static bool calls_uniform_lights(const struct glint_effect_input *in)
 {
-    return in->facts->light_table && in->job->dial[GLINT_DIAL_LIGHTS] == 1;
+    return in->facts->light_table && in->job->dial[GLINT_DIAL_LIGHTS] == 2;
+}
+
+static bool calls_light_grid(const struct glint_effect_input *in)
+{
+    return in->facts->light_grid && in->job->dial[GLINT_DIAL_LIGHTS] == 0;
 }
 
 static bool calls_float64(const struct glint_effect_input *in)
@@ -78,6 +106,12 @@ static size_t aov_bytes(const struct glint_job *job)
     return GK_PLANES_AOV * 4;
 }
 
+static size_t flow_bytes(const struct glint_job *job)
+{
+    (void)job;
+    return GK_PLANES_FLOW * 4;
+}
+
 static size_t coverage_bytes(const struct glint_job *job)
 {
     return (job->matte_slots + 1) * 8;
@@ -86,6 +120,7 @@ static size_t coverage_bytes(const struct glint_job *job)
 #define NO_DIAL GLINT_DIAL_COUNT
 #define PASS(p) (1u << GLINT_PASS_##p)
 #define TABLE(t) (1u << GLINT_TABLE_##t)
+#define CARRIES(c) (1u << GK_COL_##c)
 #define POOLS (TABLE(POOL0) | TABLE(POOL1) | TABLE(POOL2) | TABLE(POOL3))
 
 const struct glint_effect glint_effect_table[] = {
@@ -121,6 +156,54 @@ const struct glint_effect glint_effect_table[] = {
      .dial = NO_DIAL,
      .called = calls_normal_maps,
      .tables = TABLE(TANGENTS)},
+    {.name = GLINT_EFFECT_SOLIDS,
+     .cause = "a solid that transmits and absorbs, or stands in a medium",
+     .define = "GK_SOLIDS",
+     .source = "Beer's law; KHR_materials_volume",
+     .dial = NO_DIAL,
+     .called = calls_solids,
+     .carries = CARRIES(SOLID)},
+    {.name = GLINT_EFFECT_NESTED,
+     .cause = "a solid that transmits and has a priority",
+     .define = "GK_NESTED",
+     .source = "Schmidt and Budge 2002",
+     .dial = NO_DIAL,
+     .called = calls_nested,
+     .carries = CARRIES(NESTED0) | CARRIES(NESTED1) | CARRIES(NESTED2) | CARRIES(NESTED3)},
+    {.name = GLINT_EFFECT_MEDIUM,
+     .cause = "a medium with a density",
+     .define = "GK_MEDIUM",
+     .source = "Henyey and Greenstein 1941; Pharr et al. 2023, 11.2 and 11.3.1",
+     .dial = NO_DIAL,
+     .called = calls_medium},
+    {.name = GLINT_EFFECT_CULLING,
+     .cause = "a surface that is not double-sided",
+     .define = "GK_CULL",
+     .source = "glTF 2.0, 3.9.5: of camera rays only, so that light sees one scene",
+     .dial = NO_DIAL,
+     .called = calls_culling},
+    {.name = GLINT_EFFECT_BLEND,
+     .cause = "a visible material with alphaMode BLEND",
+     .define = "GK_BLEND",
+     .source = "Porter and Duff 1984, by chance; Enderton et al. 2010",
+     .dial = GLINT_DIAL_TRANSPARENCY,
+     .called = calls_blend,
+     .carries = CARRIES(PASSAGE)},
+    {.name = GLINT_EFFECT_MOTION,
+     .cause = "something that moves or bends while the shutter is open",
+     .define = "GK_MOTION",
+     .source = "Cook et al. 1984",
+     .dial = NO_DIAL,
+     .called = calls_motion,
+     .tables = TABLE(TURNS),
+     .carries = CARRIES(TIME)},
+    {.name = "camera motion",
+     .cause = "a camera that moves while the shutter is open",
+     .define = "GK_CAMERA_MOTION",
+     .source = "Cook et al. 1984",
+     .dial = NO_DIAL,
+     .called = calls_camera_motion,
+     .carries = CARRIES(TIME)},
     {.name = GLINT_EFFECT_INSTANCES,
      .cause = "a large mesh drawn more than once",
      .define = "GK_INSTANCES",
@@ -145,6 +228,13 @@ const struct glint_effect glint_effect_table[] = {
      .dial = GLINT_DIAL_LIGHTS,
      .called = calls_light_table,
      .tables = TABLE(LIGHTS) | TABLE(ALIAS)},
+    {.name = GLINT_EFFECT_LIGHT_GRID,
+     .cause = "more than 16 emitters, and accuracy.lights spatial",
+     .define = "GK_LIGHT_GRID",
+     .source = "Talbot et al. 2005; Walker 1977; Ramamoorthi and Hanrahan 2001",
+     .dial = GLINT_DIAL_LIGHTS,
+     .called = calls_light_grid,
+     .tables = TABLE(LIGHT_CELLS)},
     {.name = "uniform light choice",
      .cause = "accuracy.lights uniform",
      .define = "GK_LIGHTS_UNIFORM",
@@ -171,6 +261,12 @@ const struct glint_effect glint_effect_table[] = {
      .dial = NO_DIAL,
      .called = calls_environment_image,
      .tables = TABLE(ENV_TEXELS) | TABLE(ENV_CELLS)},
+    {.name = "orthographic view",
+     .cause = "an orthographic camera",
+     .define = "GK_ORTHOGRAPHIC",
+     .source = "glTF 2.0, 3.10.3",
+     .dial = NO_DIAL,
+     .called = calls_orthographic},
     {.name = "depth of field",
      .cause = "a camera with a lens radius",
      .define = "GK_LENS",
@@ -190,13 +286,21 @@ const struct glint_effect glint_effect_table[] = {
      .dial = GLINT_DIAL_PRECISION,
      .called = calls_float64},
     {.name = "first-hit AOVs",
-     .cause = "an output depth, normal or albedo",
+     .cause = "an output depth, normal, albedo or motion",
      .define = "GK_AOVS",
      .source = "-",
      .dial = NO_DIAL,
      .passes = PASS(AOVS),
      .called = calls_aovs,
      .film_bytes = aov_bytes},
+    {.name = "motion vectors",
+     .cause = "an output motion",
+     .define = "GK_FLOW",
+     .source = "CONVENTIONS b",
+     .dial = NO_DIAL,
+     .called = calls_flow,
+     .film_bytes = flow_bytes,
+     .tables = TABLE(FLOWS)},
     {.name = "ID coverage",
      .cause = "a Cryptomatte output",
      .source = "Cryptomatte 1.2.0; Yoshimura et al. 2022, Alg. 1",

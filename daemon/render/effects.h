@@ -29,6 +29,7 @@ struct glint_effect_input {
     const struct glint_scene_facts *facts;
     const struct glint_job *job;
     const struct glint_camera *camera;
+    bool camera_moves; // while the shutter is open
 };
 
 struct glint_effect {

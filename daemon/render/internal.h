@@ -78,6 +78,9 @@ glint_status glint_render_create_forced(glint_render **out, struct glint_devices
                                         const struct glint_job *job, uint64_t force,
                                         struct glint_error *err);
 
+// Whether the camera moves while the shutter is open.
+bool glint_render_camera_moves(const struct glint_view *v);
+
 // Fills the frame constants from the camera, the job and the scene's lighting.
 void glint_render_constants(const struct glint_view *r, struct gk_frame *out);
 

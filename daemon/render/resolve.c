@@ -16,7 +16,7 @@
 
 // Planes of the frame being made; NULL where an output is not asked for.
 struct planes {
-    float *rgba[4], *depth, *normal[3], *albedo[3], *samples, *variance[3];
+    float *rgba[4], *depth, *normal[3], *albedo[3], *samples, *variance[3], *flow[4];
     float *rank[GLINT_MATTE_LAYERS][MAX_LAYERS][4];
 };
 
@@ -61,6 +61,7 @@ static glint_status make_planes(struct glint_frame *f, uint32_t outputs, uint32_
     static const char *const normal[] = {"N.X", "N.Y", "N.Z"};
     static const char *const albedo[] = {"albedo.R", "albedo.G", "albedo.B"};
     static const char *const variance[] = {"variance.R", "variance.G", "variance.B"};
+    static const char *const flow[] = {"forward.u", "forward.v", "backward.u", "backward.v"};
     memset(p, 0, sizeof *p);
     bool ok = !(outputs & GLINT_OUT_BEAUTY) || add_planes(f, p->rgba, rgba, 4, GLINT_PIXEL_HALF);
     ok &= !(outputs & GLINT_OUT_DEPTH) || add_planes(f, &p->depth, z, 1, GLINT_PIXEL_FLOAT);
@@ -70,6 +71,7 @@ static glint_status make_planes(struct glint_frame *f, uint32_t outputs, uint32_
         !(outputs & GLINT_OUT_SAMPLES) || add_planes(f, &p->samples, samples, 1, GLINT_PIXEL_FLOAT);
     ok &= !(outputs & GLINT_OUT_VARIANCE) ||
           add_planes(f, p->variance, variance, 3, GLINT_PIXEL_FLOAT);
+    ok &= !(outputs & GLINT_OUT_MOTION) || add_planes(f, p->flow, flow, 4, GLINT_PIXEL_FLOAT);
     for (int l = 0; l < GLINT_MATTE_LAYERS; l++)
         ok &= !(outputs & matte_output[l]) || add_ranks(f, p, levels, l);
     return ok ? GLINT_OK
@@ -126,6 +128,8 @@ static void resolve_aovs(const struct at *a, const struct planes *p)
         if (p->albedo[0])
             p->albedo[c][a->out] = aov_mean(a, GK_AOV_ALBEDO, c);
     }
+    for (int c = 0; c < 4 && p->flow[0]; c++)
+        p->flow[c][a->out] = aov_mean(a, GK_AOV_FLOW, c);
     if (p->samples)
         p->samples[a->out] = (float)a->samples;
 }

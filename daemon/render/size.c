@@ -25,7 +25,7 @@ static uint64_t padded(uint32_t pixels)
 uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struct glint_job *job)
 {
     const struct glint_effect_input in = {glint_resident_facts(scene), job,
-                                          camera_of(glint_resident_scene(scene), job)};
+                                          camera_of(glint_resident_scene(scene), job), false};
     struct glint_plan plan;
     glint_plan_make(&plan, &in, 0);
     return padded(job->region[2]) * padded(job->region[3]) * plan.film_bytes;

@@ -21,6 +21,12 @@
 #define GLINT_EFFECT_SPECULAR "specular"
 #define GLINT_EFFECT_CLEARCOAT "clearcoat"
 #define GLINT_EFFECT_COLLIMATION "collimation"
+#define GLINT_EFFECT_SOLIDS "inside of solids"
+#define GLINT_EFFECT_NESTED "nested dielectrics"
+#define GLINT_EFFECT_MEDIUM "medium"
+#define GLINT_EFFECT_CULLING "single-sided surfaces"
+#define GLINT_EFFECT_BLEND "alpha blending"
+#define GLINT_EFFECT_MOTION "motion"
 #define GLINT_EFFECT_INSTANCES "instances"
 #define GLINT_EFFECT_CUTOUT "alpha cut-outs"
 #define GLINT_EFFECT_EMISSION "emission"
@@ -34,6 +40,7 @@ struct glint_scene_facts {
     bool uv1, texture_transforms, nearest_texels, vertex_colours;
     bool layer_textures; // of transmission, specular or coat
     bool specular, clearcoat, collimation;
+    bool solids, nested, medium, culling, blend, motion;
     bool emission, light_table, light_grid, environment_constant, environment_image;
     uint32_t texture_pools;
 };

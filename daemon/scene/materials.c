@@ -42,7 +42,7 @@ static uint32_t flags_of(const struct glint_material *m)
 {
     return (m->thin ? GK_MATERIAL_THIN : 0u) |
            (m->double_sided ? GK_MATERIAL_TWO_SIDED_EMISSION : 0u) |
-           (m->alpha_mode == GLINT_ALPHA_OPAQUE && !m->double_sided ? GK_MATERIAL_CULLED : 0u) |
+           (m->transmission == 0.0f && !m->double_sided ? GK_MATERIAL_CULLED : 0u) |
            (m->alpha_mode == GLINT_ALPHA_BLEND ? GK_MATERIAL_BLEND : 0u) |
            (has_specular(m) ? GK_MATERIAL_SPECULAR : 0u) |
            (m->clearcoat > 0.0f ? GK_MATERIAL_COATED : 0u);
@@ -162,6 +162,11 @@ static void note_facts(struct glint_scene_facts *f, const struct gk_material *m)
     f->collimation |= m->transmission > 0.0f && m->collimation < 1.0f;
     f->emission |= m->emission[0] > 0.0f || m->emission[1] > 0.0f || m->emission[2] > 0.0f;
     f->cutout |= m->cutoff > 0.0f;
+    f->culling |= (m->flags & GK_MATERIAL_CULLED) != 0;
+    f->blend |= (m->flags & GK_MATERIAL_BLEND) != 0;
+    const bool solid = m->transmission > 0.0f && !(m->flags & GK_MATERIAL_THIN);
+    f->solids |= solid && (f->medium || (m->flags & GK_MATERIAL_ABSORBS));
+    f->nested |= m->interior > 0;
 }
 
 static uint32_t area_lights(const struct glint_scene *s)
@@ -188,6 +193,7 @@ glint_status glint_resident_build_materials(struct glint_resident *r, struct gli
         if (s->light[i].kind == GLINT_LIGHT_AREA)
             fill_area(&s->light[i], &m[next++]);
     rank_interiors(s, m);
+    r->facts.medium = s->media && s->medium[0].density > 0.0f;
     for (uint32_t i = 0; i < r->rows; i++) {
         const uint32_t material = r->row[i].material;
         note_facts(&r->facts, &m[material]);

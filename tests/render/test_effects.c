@@ -97,7 +97,7 @@ static struct glint_plan plan_of(const struct world *w, const struct order *of, 
     char *text = job_text(of);
     struct glint_job *job = offline_job(text);
     const struct glint_effect_input in = {glint_resident_facts(scene), job,
-                                          &glint_resident_scene(scene)->camera[0]};
+                                          &glint_resident_scene(scene)->camera[0], false};
     struct glint_plan plan;
     glint_plan_make(&plan, &in, force);
     glint_job_destroy(&job);

@@ -1,0 +1,180 @@
+// gk_light_grid.h - choosing among very many lights by where they are needed.
+//
+// Lights lie in clusters. A regular grid of cells covers the scene (a point outside belongs to the
+// nearest cell), and each cell holds an alias table over the clusters, each cluster one over its
+// lights: p(light | point) = p(cluster | cell of the point) * p(light | cluster), which is one
+// gather for any light, so that a BSDF ray that finds a light knows it too.
+//
+// The words of the table, n = clusters:
+//   [cells][n] {keep << 16 | other, pdf}       keep in 1/65536, of the entry; pdf of the cluster
+//   [n] {first, count}                         of its lights among the members
+//   grid_members: [members] {keep, light, other}
+//   grid_owners:  [lights] {cluster, share}    share: p(light | cluster), 0: never chosen
+// pdf, keep (of members) and share are floats. Probabilities are those that the rounded tables
+// really have.
+//
+// Of four lights chosen so, one is kept in proportion to the unshadowed light that it brings
+// (resampled importance sampling, Talbot et al. 2005). MIS weighs by the density of the four, which
+// is a function of the direction alone: any such weight is unbiased.
+#ifndef GK_LIGHT_GRID_H
+#define GK_LIGHT_GRID_H
+
+#include "kernels/gk_light.h"
+
+#define GK_GRID_ENTRY 2u
+#define GK_GRID_CLUSTER 2u
+#define GK_GRID_MEMBER 3u
+#define GK_GRID_OWNER 2u
+#define GK_GRID_KEEP 65536.0f
+
+struct gk_light_grid {
+    const GK_GLOBAL gk_u32 *word;
+    gk_u32 cell;     // first word of the point's entries
+    gk_u32 clusters; // 0: there is no grid
+    gk_u32 first_cluster, first_member, first_owner;
+};
+
+// Which light, and with what probability.
+struct gk_light_pick {
+    gk_u32 light;
+    gk_f32 choice;
+};
+
+// Where a point looks for a light: x the place, n the normal (zero: no surface), behind the weight
+// of light that comes from beyond it.
+struct gk_light_receiver {
+    struct gk_vec x, n;
+    gk_f32 behind;
+};
+
+GK_INLINE gk_u32 gk_grid_axis(gk_f32 x, gk_f32 origin, gk_f32 scale, gk_u32 size)
+{
+    const gk_i32 last = gk_max_i32((gk_i32)size - 1, 0);
+    const gk_f32 at = gk_clamp((x - origin) * scale, 0.0f, (gk_f32)last);
+    return (gk_u32)gk_min_i32((gk_i32)at, last);
+}
+
+GK_INLINE struct gk_light_grid gk_light_grid_at(const GK_GLOBAL struct gk_frame *f,
+                                                const GK_GLOBAL gk_u32 *words, struct gk_vec p)
+{
+    const gk_u32 x = gk_grid_axis(p.x, f->grid_origin[0], f->grid_scale[0], f->grid_size[0]);
+    const gk_u32 y = gk_grid_axis(p.y, f->grid_origin[1], f->grid_scale[1], f->grid_size[1]);
+    const gk_u32 z = gk_grid_axis(p.z, f->grid_origin[2], f->grid_scale[2], f->grid_size[2]);
+    const gk_u32 cell = (z * f->grid_size[1] + y) * f->grid_size[0] + x;
+    const gk_u32 cells = f->grid_size[0] * f->grid_size[1] * f->grid_size[2];
+    struct gk_light_grid g;
+    g.word = words;
+    g.clusters = f->grid_clusters;
+    g.cell = cell * f->grid_clusters * GK_GRID_ENTRY;
+    g.first_cluster = cells * f->grid_clusters * GK_GRID_ENTRY;
+    g.first_member = f->grid_members;
+    g.first_owner = f->grid_owners;
+    return g;
+}
+
+// Probability with which a light of the table is chosen; 0 without a grid.
+GK_INLINE gk_f32 gk_grid_choice(const struct gk_light_grid *g, gk_u32 light)
+{
+    const gk_u32 owner = g->first_owner + (g->clusters > 0u ? light : 0u) * GK_GRID_OWNER;
+    const gk_u32 entry = g->cell + g->word[owner] * GK_GRID_ENTRY;
+    return gk_as_f32(g->word[entry + 1u]) * gk_as_f32(g->word[owner + 1u]);
+}
+
+GK_INLINE gk_u32 gk_grid_slot(gk_f32 u, gk_u32 n)
+{
+    const gk_i32 slot = gk_min_i32((gk_i32)(u * (gk_f32)(gk_i32)n), (gk_i32)n - 1);
+    return (gk_u32)gk_max_i32(slot, 0);
+}
+
+// (u, v) takes the cluster, (s, t) the light in it.
+GK_INLINE struct gk_light_pick gk_grid_choose(const struct gk_light_grid *g, gk_f32 u, gk_f32 v,
+                                              gk_f32 s, gk_f32 t)
+{
+    const gk_u32 slot = gk_grid_slot(u, g->clusters);
+    const gk_u32 entry = g->word[g->cell + slot * GK_GRID_ENTRY];
+    const gk_i32 kept = v * GK_GRID_KEEP < (gk_f32)(gk_i32)(entry >> 16);
+    const gk_u32 cluster = kept ? slot : entry & 0xffffu;
+    const gk_u32 record = g->first_cluster + cluster * GK_GRID_CLUSTER;
+    const gk_u32 place = g->word[record] + gk_grid_slot(s, g->word[record + 1u]);
+    const gk_u32 member = g->first_member + place * GK_GRID_MEMBER;
+    struct gk_light_pick p;
+    p.light = g->word[member + (t < gk_as_f32(g->word[member]) ? 1u : 2u)];
+    p.choice = gk_grid_choice(g, p.light);
+    return p;
+}
+
+// What a sample would bring if nothing were in the way, over its density.
+GK_INLINE gk_f32 gk_light_promise(const struct gk_light_sample *s,
+                                  const struct gk_light_receiver *to)
+{
+    const gk_f32 cosine = gk_dot(s->wi, to->n);
+    const gk_f32 weight = cosine > 0.0f ? cosine : -cosine * to->behind;
+    const gk_i32 surface = gk_dot(to->n, to->n) > 0.0f;
+    const gk_f32 promise = gk_mean3(s->L) * (surface ? weight : 1.0f) / s->pdf;
+    return promise > 0.0f ? gk_min(promise, 1e36f) : 0.0f; // NaN too
+}
+
+// x + step, back into [0, 1): of uniform x, uniform again.
+GK_INLINE gk_f32 gk_turned(gk_f32 x, gk_f32 step)
+{
+    const gk_f32 y = x + step;
+    return y >= 1.0f ? y - 1.0f : y;
+}
+
+struct gk_light_numbers {
+    gk_f32 choice, keep; // cluster
+    gk_f32 place, other; // light in it
+    gk_f32 u, v;         // point on it
+    gk_f32 pick;         // one of four
+};
+
+struct gk_light_candidate {
+    struct gk_light_pick pick;
+    gk_f32 promise;
+};
+
+// The candidate whose numbers are turned by `turn` fourths.
+GK_INLINE struct gk_light_candidate gk_grid_candidate(const struct gk_light_grid *g,
+                                                      const GK_GLOBAL struct gk_light *light,
+                                                      const struct gk_light_receiver *to,
+                                                      gk_f32 share,
+                                                      const struct gk_light_numbers *r, gk_f32 turn)
+{
+    struct gk_light_candidate c;
+    c.pick = gk_grid_choose(g, gk_turned(r->choice, turn), r->keep, gk_turned(r->place, turn),
+                            gk_turned(r->other, turn));
+    c.pick.choice *= share;
+    const struct gk_light_sample s =
+        gk_light_from_table(light + c.pick.light, to->x, c.pick.choice, r->u, r->v);
+    c.promise = gk_light_promise(&s, to);
+    return c;
+}
+
+// A light for the receiver; share: probability that the table is asked at all.
+GK_INLINE struct gk_light_sample gk_light_from_grid(const struct gk_light_grid *g,
+                                                    const GK_GLOBAL struct gk_light *light,
+                                                    const struct gk_light_receiver *to,
+                                                    gk_f32 share, const struct gk_light_numbers *r)
+{
+    const struct gk_light_candidate a = gk_grid_candidate(g, light, to, share, r, 0.0f);
+    const struct gk_light_candidate b = gk_grid_candidate(g, light, to, share, r, 0.25f);
+    const struct gk_light_candidate c = gk_grid_candidate(g, light, to, share, r, 0.5f);
+    const struct gk_light_candidate d = gk_grid_candidate(g, light, to, share, r, 0.75f);
+    const gk_f32 ab = a.promise + b.promise, abc = ab + c.promise, sum = abc + d.promise;
+    const gk_f32 at = r->pick * sum;
+    const gk_i32 in_a = at < a.promise, in_b = at < ab, in_c = at < abc;
+    const gk_u32 index = in_a   ? a.pick.light
+                         : in_b ? b.pick.light
+                         : in_c ? c.pick.light
+                                : d.pick.light;
+    const gk_f32 choice = in_a   ? a.pick.choice
+                          : in_b ? b.pick.choice
+                          : in_c ? c.pick.choice
+                                 : d.pick.choice;
+    const gk_f32 promise = in_a ? a.promise : in_b ? b.promise : in_c ? c.promise : d.promise;
+    struct gk_light_sample s = gk_light_from_table(light + index, to->x, choice, r->u, r->v);
+    s.L = gk_scale(s.L, promise > 0.0f ? 0.25f * (sum / promise) : 0.0f);
+    return s;
+}
+
+#endif
