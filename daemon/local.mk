@@ -157,6 +157,18 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/lights.c \
 	daemon/scene/materials.c \
 	daemon/scene/place.c \
+	daemon/scene/pose.c \
+	daemon/scene/pose.h \
+	daemon/scene/pose_channel.c \
+	daemon/scene/pose_deform.c \
+	daemon/scene/pose_instances.c \
+	daemon/scene/pose_keys.c \
+	daemon/scene/pose_matrix.c \
+	daemon/scene/pose_nodes.c \
+	daemon/scene/pose_placements.c \
+	daemon/scene/pose_shape.c \
+	daemon/scene/pose_wanted.c \
+	daemon/scene/pose_work.h \
 	daemon/scene/records.c \
 	daemon/scene/resident.c \
 	daemon/scene/resident.h \
