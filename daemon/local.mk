@@ -122,13 +122,17 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/gltf.c \
 	daemon/scene/gltf.h \
 	daemon/scene/gltf_accessor.c \
+	daemon/scene/gltf_animations.c \
 	daemon/scene/gltf_assimp.c \
+	daemon/scene/gltf_attributes.c \
 	daemon/scene/gltf_buffers.c \
 	daemon/scene/gltf_cameras.c \
 	daemon/scene/gltf_container.c \
 	daemon/scene/gltf_file.c \
 	daemon/scene/gltf_file.h \
+	daemon/scene/gltf_frames.c \
 	daemon/scene/gltf_geometry.c \
+	daemon/scene/gltf_instancing.c \
 	daemon/scene/gltf_lights.c \
 	daemon/scene/gltf_materials.c \
 	daemon/scene/gltf_matrix.c \
@@ -136,6 +140,9 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/gltf_names.c \
 	daemon/scene/gltf_nodes.c \
 	daemon/scene/gltf_notes.c \
+	daemon/scene/gltf_primitives.c \
+	daemon/scene/gltf_skins.c \
+	daemon/scene/gltf_surfaces.c \
 	daemon/scene/gltf_textures.c \
 	daemon/scene/image_decode.c \
 	daemon/scene/image_decode.h \
@@ -154,8 +161,13 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/import_jail.h \
 	daemon/scene/import_native.c \
 	daemon/scene/internal.h \
+	daemon/scene/light_clusters.c \
+	daemon/scene/light_clusters.h \
+	daemon/scene/light_grid.c \
+	daemon/scene/light_grid.h \
 	daemon/scene/lights.c \
 	daemon/scene/materials.c \
+	daemon/scene/opacity.c \
 	daemon/scene/place.c \
 	daemon/scene/pose.c \
 	daemon/scene/pose.h \

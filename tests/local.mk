@@ -36,6 +36,7 @@ UNIT_TESTS = \
 	tests/unit/test_import \
 	tests/unit/test_import_answer \
 	tests/unit/test_import_gltf \
+	tests/unit/test_import_gltf_materials \
 	tests/unit/test_import_gltf_scene \
 	tests/unit/test_job \
 	tests/unit/test_jobs \
@@ -106,6 +107,8 @@ tests_unit_test_import_SOURCES = tests/unit/test_import.c tests/unit/glb_maker.c
 gltf_expect = tests/unit/glb_maker.c tests/unit/glb_maker.h tests/unit/gltf_expect.c \
 	tests/unit/gltf_expect.h
 tests_unit_test_import_gltf_SOURCES = tests/unit/test_import_gltf.c $(gltf_expect)
+tests_unit_test_import_gltf_materials_SOURCES = tests/unit/test_import_gltf_materials.c \
+	$(gltf_expect)
 tests_unit_test_import_gltf_scene_SOURCES = tests/unit/test_import_gltf_scene.c $(gltf_expect)
 tests_unit_test_jobs_SOURCES = tests/unit/test_jobs.c $(jobs_fixture)
 tests_unit_test_scheduler_SOURCES = tests/unit/test_scheduler.c $(jobs_fixture)

@@ -5,15 +5,18 @@
 
 #include <stdlib.h>
 
+#define FPS 24.0f // a file says nothing of frames
+
 static void read_scene(struct glint_gltf *g)
 {
     static void (*const steps[])(struct glint_gltf *) = {
-        glint_gltf_read_nodes,  glint_gltf_read_materials, glint_gltf_read_meshes,
-        glint_gltf_read_lights, glint_gltf_read_cameras,   glint_gltf_note_the_rest,
+        glint_gltf_read_nodes,  glint_gltf_read_animations, glint_gltf_read_skins,
+        glint_gltf_make_frames, glint_gltf_read_materials,  glint_gltf_read_meshes,
+        glint_gltf_read_lights, glint_gltf_read_cameras,    glint_gltf_note_the_rest,
     };
     for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
-        // without nodes nothing else can be read; other steps report their faults together
-        if (i == 1 && g->err->status)
+        // without nodes and their frames nothing else can be read; others report faults together
+        if ((i == 1 || i == 4) && g->err->status)
             return;
         if (g->err->status == GLINT_E_NOMEM)
             return;
@@ -36,6 +39,7 @@ glint_status glint_gltf_import(struct glint_scene **out, const uint8_t *bytes, s
         st = g.scene ? GLINT_OK : glint_fail(g.err, GLINT_E_NOMEM, "", "no memory for a scene");
     }
     if (!st) {
+        g.scene->fps = FPS;
         read_scene(&g);
         st = g.err->status;
     }

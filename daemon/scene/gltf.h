@@ -2,8 +2,11 @@
 //
 // Assimp reads the geometry: it gets a small GLB made here, with nothing in it but the meshes that
 // the scene shows, every offset checked. All else is read from the glTF JSON itself, because Assimp
-// drops or changes it (emissive strength, fields of view, light units, names) or misreads it
-// (normalised integers, sparse accessors, indices out of range).
+// drops or changes it (emissive strength, fields of view, light units, names, interpolation) or
+// misreads it (normalised integers, sparse accessors, indices out of range).
+//
+// What an animation moves, what is below it and joints keep their nodes; the places of all else are
+// in the world.
 //
 // What a file has and the scene cannot show is a warning that names it.
 //

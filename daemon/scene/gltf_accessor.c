@@ -51,9 +51,9 @@ static bool read_shape(const struct glint_json *at, struct glint_gltf_accessor *
         !glint_json_choice(&type, type_name, &shape) ||
         !glint_json_bool(&normalized, &a->normalized) || !read_component(at, &a->type))
         return false;
-    if (shape > 3)
-        return glint_json_fault(&type, "%s has no use in a mesh", type_name[shape]);
-    a->components = (uint32_t)shape + 1;
+    if (shape == 4 || shape == 5)
+        return glint_json_fault(&type, "nothing has the type %s", type_name[shape]);
+    a->components = shape == 6 ? 16 : (uint32_t)shape + 1;
     a->element = (size_t)a->components * component_bytes(a->type);
     return true;
 }

@@ -35,11 +35,11 @@ static bool is_index(const struct batch *b, uint32_t i)
 
 static bool list_parts(struct batch *b)
 {
-    b->part = calloc((size_t)b->count * GLTF_PARTS, sizeof *b->part);
+    b->part = calloc((size_t)b->count * GLTF_ASSEMBLED, sizeof *b->part);
     if (!b->part)
         return glint_gltf_nomem(b->g);
     for (uint32_t i = 0; i < b->count; i++)
-        for (int k = 0; k < GLTF_PARTS; k++) {
+        for (int k = 0; k < GLTF_ASSEMBLED; k++) {
             const struct glint_gltf_accessor *a = &b->geometry[b->first + i].part[k];
             if (!a->count)
                 continue;
@@ -52,7 +52,7 @@ static bool list_parts(struct batch *b)
 
 static void print_meshes(const struct batch *b, FILE *out)
 {
-    static const char *const name[] = {"POSITION", "NORMAL", "TEXCOORD_0", "TANGENT"};
+    static const char *const name[] = {"POSITION", "NORMAL", "TANGENT"};
     uint32_t next = 0;
     for (uint32_t i = 0; i < b->count; i++) {
         const struct glint_gltf_geometry *geometry = &b->geometry[b->first + i];
@@ -171,17 +171,6 @@ static float *copy3(struct glint_arena *arena, const struct aiVector3D *v, uint3
     return out ? memcpy(out, v, (size_t)count * sizeof *v) : NULL;
 }
 
-// Assimp turns v around.
-static float *copy_uv(struct glint_arena *arena, const struct aiVector3D *v, uint32_t count)
-{
-    float *out = glint_arena_array(arena, count, 2 * sizeof *out);
-    for (uint32_t i = 0; out && i < count; i++) {
-        out[(size_t)i * 2] = v[i].x;
-        out[(size_t)i * 2 + 1] = 1 - v[i].y;
-    }
-    return out;
-}
-
 // Assimp keeps the bitangent cross(n, t) * w in place of w.
 static float *copy_tangents(struct glint_arena *arena, const struct aiMesh *from)
 {
@@ -220,15 +209,12 @@ static bool take_mesh(struct batch *b, const struct aiMesh *from)
     struct glint_mesh *m = &b->g->scene->mesh[i];
     const bool normal = part[GLTF_NORMAL].count && from->mNormals;
     const bool tangent = normal && part[GLTF_TANGENT].count && from->mTangents;
-    const bool uv = part[GLTF_UV].count && from->mTextureCoords[0];
     m->vertices = from->mNumVertices;
     m->position = copy3(arena, from->mVertices, m->vertices);
     m->normal = normal ? copy3(arena, from->mNormals, m->vertices) : NULL;
     m->tangent = tangent ? copy_tangents(arena, from) : NULL;
-    m->uv = uv ? copy_uv(arena, from->mTextureCoords[0], m->vertices) : NULL;
     m->index = copy_faces(arena, from, &m->triangles);
-    if (!m->position || !m->index || (normal && !m->normal) || (tangent && !m->tangent) ||
-        (uv && !m->uv))
+    if (!m->position || !m->index || (normal && !m->normal) || (tangent && !m->tangent))
         return glint_gltf_nomem(b->g);
     if (!m->triangles)
         return false;

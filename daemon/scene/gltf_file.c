@@ -106,13 +106,10 @@ static void check_version(struct glint_gltf *g)
 
 // What a file may insist on.
 static const char *const understood[] = {
-    "KHR_lights_punctual",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_transmission",
-    "KHR_materials_volume",
-    "KHR_mesh_quantization",
-    NULL,
+    "EXT_mesh_gpu_instancing",         "KHR_lights_punctual",   "KHR_materials_clearcoat",
+    "KHR_materials_emissive_strength", "KHR_materials_ior",     "KHR_materials_specular",
+    "KHR_materials_transmission",      "KHR_materials_unlit",   "KHR_materials_volume",
+    "KHR_mesh_quantization",           "KHR_texture_transform", NULL,
 };
 
 static void check_required(struct glint_gltf *g)

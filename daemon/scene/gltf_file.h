@@ -69,8 +69,16 @@ struct glint_gltf_node {
     uint32_t parent; // GLINT_NONE: a root
     uint32_t depth;
     bool reached;
-    double world[16];  // column-major
-    const char *name;  // as authored, may be ""
+    bool matrix;   // given as one; else translation, rotation and scale make `local`
+    bool animated; // some channel turns, moves or scales it
+    bool weighs;   // some channel morphs what it shows
+    bool joint;
+    bool moves;          // it or a node above it is animated
+    uint32_t frame;      // node of the scene, or GLINT_NONE: what it holds lies in the world
+    uint32_t channel[4]; // number of the last animation + 1 that has a channel of each path
+    double translation[3], rotation[4], scale[3];
+    double local[16], world[16]; // column-major
+    const char *name;            // as authored, may be ""
     const char *asset; // extras.asset of the node or of the nearest node above it, or NULL
 };
 
@@ -82,6 +90,9 @@ enum glint_gltf_ids {
     GLTF_ID_INSTANCE,
     GLTF_ID_LIGHT,
     GLTF_ID_CAMERA,
+    GLTF_ID_NODE,
+    GLTF_ID_SKIN,
+    GLTF_ID_ANIMATION,
     GLTF_ID_KINDS
 };
 
@@ -103,8 +114,11 @@ struct glint_gltf {
     bool *texture_read;
     uint32_t *image; // scene image of each glTF image, once decoded
     bool *image_read;
-    bool *sampler_read;
+    uint32_t *skin;            // scene skin of each glTF skin, GLINT_NONE: not in use
+    const float **floats;      // of each accessor that animations read
     float *reach;              // largest |coordinate| of each scene mesh
+    uint32_t *joints;          // that vertices of each scene mesh ask for
+    uint64_t displaced;        // vertices of all morph targets
     uint32_t default_material; // GLINT_NONE until a primitive needs it
     struct glint_gltf_names ids[GLTF_ID_KINDS];
     struct glint_gltf_names noted;
@@ -144,7 +158,7 @@ void glint_gltf_note(struct glint_gltf *g, const char *group, const char *format
 // A note for each extension of `object` that is not in the NULL-terminated list.
 void glint_gltf_ignored(struct glint_gltf *g, const struct glint_json *object, const char *what,
                         const char *name, const char *const *known);
-// What no other step looks at: animations, skins, scenes left out.
+// What no other step looks at: extensions of the file.
 void glint_gltf_note_the_rest(struct glint_gltf *g);
 void glint_gltf_notes_end(struct glint_gltf *g);
 
@@ -183,23 +197,92 @@ void glint_gltf_read_nodes(struct glint_gltf *g);
 // "a/b/c", each without a name as "node_7".
 char *glint_gltf_node_path(struct glint_gltf *g, uint32_t node);
 
-// --- gltf_materials.c, gltf_textures.c
+// --- gltf_animations.c, gltf_skins.c, gltf_frames.c: run in this order
+// Fills scene->animation; channels name nodes of the file until there are frames.
+void glint_gltf_read_animations(struct glint_gltf *g);
+// Fills scene->skin for those in use; joints are nodes of the file until there are frames.
+void glint_gltf_read_skins(struct glint_gltf *g);
+// Makes scene->node of what moves and of what that needs, and lets channels and joints point there.
+void glint_gltf_make_frames(struct glint_gltf *g);
+// Morph targets of the mesh that a node shows, as its first primitive has them.
+uint32_t glint_gltf_targets(struct glint_gltf *g, const struct glint_json *node);
+// Where something with a direction but without a size lies: in the world, *frame GLINT_NONE, or in
+// the frame of a node that moves. False when it has no direction or does not fit.
+bool glint_gltf_place(const struct glint_gltf *g, uint32_t node, float transform[16],
+                      uint32_t *frame);
+
+// --- gltf_materials.c, gltf_surfaces.c, gltf_textures.c
 void glint_gltf_read_materials(struct glint_gltf *g);
 // The scene's material of a glTF material, the default one for GLINT_NONE.
 uint32_t glint_gltf_material(struct glint_gltf *g, uint32_t material);
 // The texture that a textureInfo object asks for; image GLINT_NONE when there is none.
 struct glint_texture glint_gltf_texture(struct glint_gltf *g, const struct glint_json *info,
                                         const char *material);
+// The same of a member of the object.
+struct glint_texture glint_gltf_texture_member(struct glint_gltf *g,
+                                               const struct glint_json *object, const char *key,
+                                               const char *material);
+// The extensions of a material, whose base has been read.
+void glint_gltf_read_surface(struct glint_gltf *g, const struct glint_json *at,
+                             struct glint_material *m);
 
-// --- gltf_meshes.c, gltf_geometry.c, gltf_assimp.c
-enum glint_gltf_part { GLTF_POSITION, GLTF_NORMAL, GLTF_UV, GLTF_TANGENT, GLTF_INDEX, GLTF_PARTS };
+// --- gltf_primitives.c, gltf_meshes.c, gltf_geometry.c, gltf_attributes.c, gltf_assimp.c
+enum glint_gltf_part {
+    GLTF_POSITION,
+    GLTF_NORMAL,
+    GLTF_TANGENT,
+    GLTF_INDEX,
+    GLTF_ASSEMBLED, // those before it go through Assimp, the others are read as they are
+    GLTF_UV = GLTF_ASSEMBLED,
+    GLTF_UV1,
+    GLTF_COLOR,
+    GLTF_JOINTS,
+    GLTF_WEIGHTS,
+    GLTF_PARTS
+};
+
+// Displacements of one morph target. count 0: none.
+struct glint_gltf_target {
+    struct glint_gltf_accessor position, normal, tangent;
+};
 
 // A triangle primitive of some mesh; equal ones are one.
 struct glint_gltf_geometry {
     struct glint_gltf_accessor part[GLTF_PARTS]; // count 0: absent
     uint32_t mode;                               // 4 triangles, 5 strip, 6 fan
-    const char *name;                            // of the mesh, for people
+    uint32_t targets;
+    struct glint_gltf_target *target;
+    const float *weight; // of the targets at rest, or NULL: 0
+    const char *name;    // of the mesh, for people
 };
+
+struct glint_gltf_primitive {
+    uint32_t geometry; // GLINT_NONE: left out
+    uint32_t material; // of the file, or GLINT_NONE
+};
+
+// The primitives of the file's meshes. Zero-initialise all but g before use.
+struct glint_gltf_primitives {
+    struct glint_gltf *g;
+    struct glint_gltf_geometry *geometry;
+    uint32_t geometries, capacity;
+    struct glint_gltf_names keys; // accessors of a geometry -> its index + 1
+};
+
+// Number `part` of the mesh, whose primitive it is.
+struct glint_gltf_primitive glint_gltf_read_primitive(struct glint_gltf_primitives *p,
+                                                      const struct glint_json *at, uint32_t mesh,
+                                                      uint32_t part, const float *weight,
+                                                      const char *name);
+// Weights of `targets` morph targets, in the scene's arena; NULL when the object has none.
+const float *glint_gltf_weights(struct glint_gltf *g, const struct glint_json *object,
+                                uint32_t targets);
+
+// EXT_mesh_gpu_instancing of a node: how many there are, 0 without it or after a fault.
+uint32_t glint_gltf_copies(struct glint_gltf *g, const struct glint_json *node);
+// Their transforms below the node: in g's scratch, NULL after a fault.
+double (*glint_gltf_read_copies(struct glint_gltf *g, const struct glint_json *node))[16];
+
 // Meshes, objects and instances.
 void glint_gltf_read_meshes(struct glint_gltf *g);
 // Fills the arrays of scene->mesh[0..count), one for each geometry.
@@ -208,7 +291,10 @@ void glint_gltf_read_geometry(struct glint_gltf *g, const struct glint_gltf_geom
 // Has Assimp assemble the geometries first..first+count.
 void glint_gltf_assemble(struct glint_gltf *g, const struct glint_gltf_geometry *geometry,
                          uint32_t first, uint32_t count);
-// Makes normals unit, tangents and texture coordinates finite; a fault where a position is not.
+// Reads what Assimp does not: coordinates, colours, joints, morph targets.
+void glint_gltf_read_attributes(struct glint_gltf *g, uint32_t mesh,
+                                const struct glint_gltf_geometry *geometry);
+// Makes normals unit and tangents finite; a fault where a position is not.
 // Fills g->reach.
 void glint_gltf_clean_mesh(struct glint_gltf *g, uint32_t mesh,
                            const struct glint_gltf_geometry *geometry);
@@ -220,6 +306,11 @@ void glint_gltf_read_cameras(struct glint_gltf *g);
 // --- gltf_matrix.c: column-major, double
 void glint_gltf_multiply(double out[16], const double a[16], const double b[16]);
 void glint_gltf_compose(double out[16], const double t[3], const double q[4], const double s[3]);
+// The reverse, with a negative scale where m mirrors. Returns false when compose would not give m
+// back: it is sheared or has an axis without length.
+bool glint_gltf_decompose(const double m[16], double t[3], double q[4], double s[3]);
+// False when a number does not fit.
+bool glint_gltf_fit(float out[16], const double m[16]);
 // False when the transform cannot be used as one: not finite in single precision, or singular.
 bool glint_gltf_to_float(float out[16], const double m[16]);
 // Largest |coordinate| in the world of points whose own are at most `reach`.

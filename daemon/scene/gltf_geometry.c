@@ -9,7 +9,7 @@
 static size_t bytes_of(const struct glint_gltf_geometry *g)
 {
     size_t bytes = 0;
-    for (int i = 0; i < GLTF_PARTS; i++)
+    for (int i = 0; i < GLTF_ASSEMBLED; i++)
         bytes += (size_t)g->part[i].count * g->part[i].components * 4;
     return bytes;
 }
@@ -26,6 +26,8 @@ void glint_gltf_read_geometry(struct glint_gltf *g, const struct glint_gltf_geom
         }
         glint_gltf_assemble(g, geometry, first, end - first);
     }
+    for (uint32_t i = 0; i < count && !g->err->status; i++)
+        glint_gltf_read_attributes(g, i, &geometry[i]);
 }
 
 static bool normalise(float v[3])
@@ -117,21 +119,6 @@ static void clean_tangents(struct glint_mesh *m)
     }
 }
 
-static void clean_uvs(struct glint_gltf *g, struct glint_mesh *m, const char *name)
-{
-    float *uv = (float *)m->uv;
-    bool bad = false;
-    for (size_t i = 0; i < (size_t)m->vertices * 2; i++)
-        if (!(fabsf(uv[i]) <= GLINT_MAX_COORDINATE)) {
-            uv[i] = 0;
-            bad = true;
-        }
-    if (bad)
-        glint_gltf_note(g, "texture coordinates without a value",
-                        "some texture coordinates of mesh \"%.200s\" are not finite; 0 is used",
-                        name);
-}
-
 void glint_gltf_clean_mesh(struct glint_gltf *g, uint32_t mesh,
                            const struct glint_gltf_geometry *geometry)
 {
@@ -143,6 +130,4 @@ void glint_gltf_clean_mesh(struct glint_gltf *g, uint32_t mesh,
         clean_normals(g, m, name);
     if (m->tangent)
         clean_tangents(m);
-    if (m->uv)
-        clean_uvs(g, m, name);
 }

@@ -6,7 +6,6 @@
 #include <stdio.h>
 
 #define HALF_PI 1.57079637f // pi / 2 rounded up: the angle itself is allowed
-#define QUARTER_PI 0.785398163f
 
 static bool read_cone(const struct glint_json *at, struct glint_light *l)
 {
@@ -44,8 +43,7 @@ static void add_light(struct glint_gltf *g, const struct glint_json *at, uint32_
 {
     const struct glint_gltf_node *n = &g->node[node];
     struct glint_light *l = &g->scene->light[g->scene->lights];
-    *l = (struct glint_light){
-        .color = {1, 1, 1}, .intensity = 1, .outer_cone = QUARTER_PI, .size = {1, 1}};
+    glint_light_init(l);
     const char *name = *n->name ? n->name : glint_gltf_name(g, at);
     char number[24];
     snprintf(number, sizeof number, "light_%u", node);
@@ -57,7 +55,7 @@ static void add_light(struct glint_gltf *g, const struct glint_json *at, uint32_
     }
     if (!read_light(g, at, l))
         return;
-    if (glint_gltf_rigid(l->transform, n->world))
+    if (glint_gltf_place(g, node, l->transform, &l->node))
         g->scene->lights++;
     else
         glint_gltf_note(g, "light without direction",

@@ -1,19 +1,16 @@
-// gltf_materials.c - metallic-roughness materials and the extensions that the renderer has.
+// gltf_materials.c - metallic-roughness materials.
 //
-// Source: glTF 2.0, "Materials"; KHR_materials_emissive_strength, _ior, _transmission, _volume.
+// Source: glTF 2.0, "Materials"; KHR_materials_emissive_strength.
 #include "scene/gltf_file.h"
 
-#include <float.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 static const char *const known[] = {
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_transmission",
-    "KHR_materials_volume",
-    NULL,
+    "KHR_materials_clearcoat",    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",          "KHR_materials_specular",
+    "KHR_materials_transmission", "KHR_materials_unlit",
+    "KHR_materials_volume",       NULL,
 };
 
 static void read_base(struct glint_gltf *g, const struct glint_json *at, struct glint_material *m)
@@ -22,31 +19,28 @@ static void read_base(struct glint_gltf *g, const struct glint_json *at, struct 
     const struct glint_json factor = glint_json_member(&pbr, "baseColorFactor");
     const struct glint_json metallic = glint_json_member(&pbr, "metallicFactor");
     const struct glint_json roughness = glint_json_member(&pbr, "roughnessFactor");
-    const struct glint_json color = glint_gltf_object(&pbr, "baseColorTexture");
-    const struct glint_json surface = glint_gltf_object(&pbr, "metallicRoughnessTexture");
     float rgba[4] = {1, 1, 1, 1};
     glint_json_floats(&factor, 4, 0, 1, rgba);
     memcpy(m->base_color, rgba, sizeof m->base_color);
     m->opacity = rgba[3];
     glint_json_float(&metallic, 0, 1, &m->metallic);
     glint_json_float(&roughness, 0, 1, &m->roughness);
-    m->base_color_texture = glint_gltf_texture(g, &color, m->name);
-    m->metallic_roughness_texture = glint_gltf_texture(g, &surface, m->name);
+    m->base_color_texture = glint_gltf_texture_member(g, &pbr, "baseColorTexture", m->name);
+    m->metallic_roughness_texture =
+        glint_gltf_texture_member(g, &pbr, "metallicRoughnessTexture", m->name);
 }
 
-static void read_alpha(struct glint_gltf *g, const struct glint_json *at, struct glint_material *m)
+static void read_alpha(const struct glint_json *at, struct glint_material *m)
 {
     static const char *const modes[] = {"OPAQUE", "MASK", "BLEND", NULL};
+    static const enum glint_alpha_mode mode_of[] = {GLINT_ALPHA_OPAQUE, GLINT_ALPHA_MASK,
+                                                    GLINT_ALPHA_BLEND};
     const struct glint_json mode = glint_json_member(at, "alphaMode");
     const struct glint_json cutoff = glint_json_member(at, "alphaCutoff");
     int choice = 0;
     glint_json_choice(&mode, modes, &choice);
     glint_json_float(&cutoff, 0, 1e6f, &m->alpha_cutoff);
-    m->alpha_mode = choice == 1 ? GLINT_ALPHA_MASK : GLINT_ALPHA_OPAQUE;
-    if (choice == 2)
-        glint_gltf_note(g, "alphaMode BLEND",
-                        "alphaMode BLEND of material \"%.200s\" is not shown; it is opaque",
-                        m->name);
+    m->alpha_mode = mode_of[choice];
 }
 
 static void read_normal(struct glint_gltf *g, const struct glint_json *at, struct glint_material *m)
@@ -61,7 +55,6 @@ static void read_emission(struct glint_gltf *g, const struct glint_json *at,
                           struct glint_material *m)
 {
     const struct glint_json factor = glint_json_member(at, "emissiveFactor");
-    const struct glint_json info = glint_gltf_object(at, "emissiveTexture");
     struct glint_json hold[2];
     float strength = 1;
     glint_json_floats(&factor, 3, 0, 1, m->emission);
@@ -71,79 +64,16 @@ static void read_emission(struct glint_gltf *g, const struct glint_json *at,
     }
     for (int i = 0; i < 3; i++)
         m->emission[i] *= strength;
-    m->emission_texture = glint_gltf_texture(g, &info, m->name);
+    m->emission_texture = glint_gltf_texture_member(g, at, "emissiveTexture", m->name);
 }
-
-static void read_ior(struct glint_gltf *g, const struct glint_json *at, struct glint_material *m)
-{
-    struct glint_json hold[2];
-    if (!glint_gltf_extension(at, "KHR_materials_ior", hold))
-        return;
-    const struct glint_json ior = glint_json_member(&hold[1], "ior");
-    float value = 1.5f;
-    if (!glint_json_float(&ior, 0, FLT_MAX, &value))
-        return;
-    if (value > 0 && value < 1) {
-        glint_json_fault(&ior, "%g: an index of refraction is at least 1", (double)value);
-        return;
-    }
-    if (value == 0 || value > 10)
-        glint_gltf_note(g, "index of refraction",
-                        "the index of refraction of material \"%.200s\" is %g; 10 is used", m->name,
-                        (double)value);
-    m->ior = value == 0 ? 10 : fminf(value, 10); // 0 stands for infinity
-}
-
-static void read_transmission(struct glint_gltf *g, const struct glint_json *at,
-                              struct glint_material *m)
-{
-    struct glint_json hold[2];
-    if (!glint_gltf_extension(at, "KHR_materials_transmission", hold))
-        return;
-    const struct glint_json factor = glint_json_member(&hold[1], "transmissionFactor");
-    glint_json_float(&factor, 0, 1, &m->transmission);
-    if (glint_json_member(&hold[1], "transmissionTexture").value)
-        glint_gltf_note(g, "transmissionTexture",
-                        "transmissionTexture of material \"%.200s\" is ignored", m->name);
-    m->thin = m->transmission > 0;
-}
-
-static void read_volume(struct glint_gltf *g, const struct glint_json *at, struct glint_material *m)
-{
-    struct glint_json hold[2];
-    if (!glint_gltf_extension(at, "KHR_materials_volume", hold))
-        return;
-    const struct glint_json thickness = glint_json_member(&hold[1], "thicknessFactor");
-    const struct glint_json distance = glint_json_member(&hold[1], "attenuationDistance");
-    float thick = 0;
-    glint_json_float(&thickness, 0, FLT_MAX, &thick);
-    if (thick > 0)
-        m->thin = false;
-    if (distance.value && m->transmission > 0)
-        glint_gltf_note(g, "attenuation",
-                        "KHR_materials_volume attenuation of material \"%.200s\" is ignored",
-                        m->name);
-}
-
-static const struct glint_material defaults = {
-    .base_color = {1, 1, 1},
-    .opacity = 1,
-    .alpha_cutoff = 0.5f,
-    .metallic = 1,
-    .roughness = 1,
-    .ior = 1.5f,
-    .normal_scale = 1,
-    .base_color_texture = {.image = GLINT_NONE},
-    .metallic_roughness_texture = {.image = GLINT_NONE},
-    .normal_texture = {.image = GLINT_NONE},
-    .emission_texture = {.image = GLINT_NONE},
-};
 
 // Appends a material with the defaults of glTF and a name; NULL without memory.
 static struct glint_material *add(struct glint_gltf *g, const char *name)
 {
     struct glint_material *m = &g->scene->material[g->scene->materials];
-    *m = defaults;
+    glint_material_init(m);
+    m->metallic = 1;
+    m->double_sided = false;
     m->name = glint_arena_string(&g->scene->arena, name);
     m->id = glint_gltf_names_id(&g->ids[GLTF_ID_MATERIAL], &g->scene->arena, name);
     if (!m->name || !m->id) {
@@ -166,12 +96,10 @@ static void read_material(struct glint_gltf *g, uint32_t i)
         return;
     glint_json_bool(&sided, &m->double_sided);
     read_base(g, &at, m);
-    read_alpha(g, &at, m);
+    read_alpha(&at, m);
     read_normal(g, &at, m);
     read_emission(g, &at, m);
-    read_ior(g, &at, m);
-    read_transmission(g, &at, m);
-    read_volume(g, &at, m);
+    glint_gltf_read_surface(g, &at, m);
     glint_gltf_ignored(g, &at, "material", m->name, known);
 }
 
@@ -179,18 +107,16 @@ static bool prepare(struct glint_gltf *g)
 {
     const uint32_t images = g->list[GLTF_IMAGES].count, textures = g->list[GLTF_TEXTURES].count;
     const uint32_t materials = g->list[GLTF_MATERIALS].count;
-    const uint32_t samplers = g->list[GLTF_SAMPLERS].count;
     g->image = glint_arena_array(&g->scratch, images + 1, sizeof *g->image);
     g->image_read = glint_arena_array(&g->scratch, images + 1, sizeof *g->image_read);
     g->texture = glint_arena_array(&g->scratch, textures + 1, sizeof *g->texture);
     g->texture_read = glint_arena_array(&g->scratch, textures + 1, sizeof *g->texture_read);
-    g->sampler_read = glint_arena_array(&g->scratch, samplers + 1, sizeof *g->sampler_read);
     g->scene->image = glint_arena_array(&g->scene->arena, images + 1, sizeof *g->scene->image);
     g->scene->material =
         glint_arena_array(&g->scene->arena, materials + 1, sizeof *g->scene->material);
     g->default_material = GLINT_NONE;
-    return (g->image && g->image_read && g->texture && g->texture_read && g->sampler_read &&
-            g->scene->image && g->scene->material) ||
+    return (g->image && g->image_read && g->texture && g->texture_read && g->scene->image &&
+            g->scene->material) ||
            glint_gltf_nomem(g);
 }
 

@@ -32,7 +32,7 @@ void glint_gltf_compose(double out[16], const double t[3], const double q[4], co
     out[15] = 1;
 }
 
-static bool to_float(float out[16], const double m[16])
+bool glint_gltf_fit(float out[16], const double m[16])
 {
     for (int i = 0; i < 16; i++) {
         out[i] = (float)m[i];
@@ -70,7 +70,7 @@ static bool singular(const float m[16])
 
 bool glint_gltf_to_float(float out[16], const double m[16])
 {
-    return to_float(out, m) && !singular(out);
+    return glint_gltf_fit(out, m) && !singular(out);
 }
 
 double glint_gltf_reach(const float m[16], float reach)
@@ -107,5 +107,60 @@ bool glint_gltf_rigid(float out[16], const double m[16])
     cross(y, z, x);
     const double r[16] = {x[0], x[1], x[2], 0, y[0],  y[1],  y[2],  0,
                           z[0], z[1], z[2], 0, m[12], m[13], m[14], 1};
-    return to_float(out, r);
+    return glint_gltf_fit(out, r);
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Of a rotation with the columns r. The largest of the four is found first, so that what is divided
+// by is at least 1 (Shepperd 1978).
+static void quaternion(const double r[3][3], double q[4])
+{
+    const double trace = r[0][0] + r[1][1] + r[2][2];
+    int i = 0;
+    if (r[1][1] > r[0][0])
+        i = 1;
+    if (r[2][2] > r[i][i])
+        i = 2;
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    if (trace > r[i][i]) {
+        q[3] = 1 + trace;
+        for (int a = 0; a < 3; a++)
+            q[a] = r[(a + 1) % 3][(a + 2) % 3] - r[(a + 2) % 3][(a + 1) % 3];
+    } else {
+        q[i] = 1 + r[i][i] - r[j][j] - r[k][k];
+        q[j] = r[i][j] + r[j][i];
+        q[k] = r[i][k] + r[k][i];
+        q[3] = r[j][k] - r[k][j];
+    }
+    const double length = sqrt(dot(q, q) + q[3] * q[3]);
+    for (int a = 0; a < 4; a++)
+        q[a] /= length;
+}
+
+bool glint_gltf_decompose(const double m[16], double t[3], double q[4], double s[3])
+{
+    double axis[3][3], n[3];
+    for (int i = 0; i < 3; i++) {
+        t[i] = m[12 + i];
+        s[i] = sqrt(dot(m + 4 * i, m + 4 * i));
+        for (int k = 0; k < 3; k++)
+            axis[i][k] = s[i] > 0 ? m[4 * i + k] / s[i] : (double)(i == k);
+    }
+    cross(n, axis[0], axis[1]);
+    bool clean = fabs(fabs(dot(n, axis[2])) - 1) < 1e-6;
+    if (dot(n, axis[2]) < 0) {
+        s[0] = -s[0];
+        for (int k = 0; k < 3; k++)
+            axis[0][k] = -axis[0][k];
+    }
+    // square, where it was not: z stays, y as far as it can
+    cross(axis[0], axis[1], axis[2]);
+    clean = normalise(axis[0]) && clean;
+    cross(axis[1], axis[2], axis[0]);
+    quaternion(axis, q);
+    return clean;
 }

@@ -1,173 +1,65 @@
 // gltf_meshes.c - which meshes the scene shows, and the objects and instances that show them.
 #include "scene/gltf_file.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #define MAX_INSTANCES (1u << 24)
 
-struct primitive {
-    uint32_t geometry; // GLINT_NONE: left out
-    uint32_t material; // of the file, or GLINT_NONE
-};
-
 struct mesh {
     bool read;
-    uint32_t primitives;
-    struct primitive *primitive;
+    uint32_t primitives, targets;
+    struct glint_gltf_primitive *primitive;
 };
 
 struct meshes {
     struct glint_gltf *g;
     struct mesh *mesh; // of each glTF mesh
-    struct glint_gltf_geometry *geometry;
-    uint32_t geometries, capacity;
-    struct glint_gltf_names keys;  // accessors of a geometry -> its index + 1
+    struct glint_gltf_primitives all;
     struct glint_gltf_names names; // of the nodes that show a mesh -> how many have it
 };
 
-// --- primitives
-
-// Adds the attribute to a geometry's key; the count and shape it must have are checked.
-static bool read_part(struct glint_gltf *g, const struct glint_json *attributes, const char *name,
-                      uint32_t components, uint32_t vertices, struct glint_gltf_accessor *out)
+// Every primitive of a mesh morphs alike.
+static bool check_targets(const struct glint_json *at, uint32_t targets)
 {
-    const struct glint_json at = glint_json_member(attributes, name);
-    const uint32_t index = glint_gltf_index(g, attributes, name, GLTF_ACCESSORS);
-    if (index == GLINT_NONE)
-        return !at.value;
-    if (!glint_gltf_accessor_read(g, index, out))
-        return false;
-    if (out->components != components || out->type == GLTF_U32)
-        return glint_json_fault(&at, "accessor %u has the wrong type for it", index);
-    return !vertices || out->count == vertices ||
-           glint_json_fault(&at, "accessor %u has %u elements, the positions have %u", index,
-                            out->count, vertices);
+    const struct glint_json list = glint_json_member(at, "targets");
+    size_t length = 0;
+    return glint_json_length(&list, &length) &&
+           (length == targets ||
+            glint_json_fault(&list, "%zu morph targets; the first primitive has %u", length,
+                             targets));
 }
 
-static bool read_indices(struct glint_gltf *g, const struct glint_json *primitive,
-                         struct glint_gltf_accessor *out)
+static uint32_t count_targets(const struct glint_json *list)
 {
-    const struct glint_json at = glint_json_member(primitive, "indices");
-    const uint32_t index = glint_gltf_index(g, primitive, "indices", GLTF_ACCESSORS);
-    if (index == GLINT_NONE)
-        return !at.value;
-    if (!glint_gltf_accessor_read(g, index, out))
-        return false;
-    return (out->components == 1 &&
-            (out->type == GLTF_U8 || out->type == GLTF_U16 || out->type == GLTF_U32)) ||
-           glint_json_fault(&at, "accessor %u does not hold unsigned integers", index);
+    const struct glint_json first = glint_json_item(list, list->value->child, 0);
+    const struct glint_json targets = glint_json_member(&first, "targets");
+    return cJSON_IsArray(targets.value) ? (uint32_t)cJSON_GetArraySize(targets.value) : 0;
 }
 
-static bool read_parts(struct glint_gltf *g, const struct glint_json *at,
-                       struct glint_gltf_geometry *geometry)
+static void read_primitives(struct meshes *m, struct mesh *mesh, uint32_t i, const char *name)
 {
-    const struct glint_json a = glint_gltf_object(at, "attributes");
-    struct glint_gltf_accessor *part = geometry->part;
-    if (!read_part(g, &a, "POSITION", 3, 0, &part[GLTF_POSITION]))
-        return false;
-    const uint32_t vertices = part[GLTF_POSITION].count;
-    return read_part(g, &a, "NORMAL", 3, vertices, &part[GLTF_NORMAL]) &&
-           read_part(g, &a, "TEXCOORD_0", 2, vertices, &part[GLTF_UV]) &&
-           read_part(g, &a, "TANGENT", 4, vertices, &part[GLTF_TANGENT]) &&
-           read_indices(g, at, &part[GLTF_INDEX]);
-}
-
-static void note_unused(struct glint_gltf *g, const struct glint_json *at, const char *name)
-{
-    static const char *const none[] = {NULL};
-    const struct glint_json a = glint_json_member(at, "attributes");
-    if (glint_json_member(&a, "COLOR_0").value)
-        glint_gltf_note(g, "vertex colours", "vertex colours of mesh \"%.200s\" are ignored", name);
-    if (glint_json_member(&a, "TEXCOORD_1").value)
-        glint_gltf_note(g, "second texture coordinates",
-                        "texture coordinates 1 of mesh \"%.200s\" are ignored", name);
-    if (glint_json_member(at, "targets").value)
-        glint_gltf_note(g, "morph targets", "morph targets of mesh \"%.200s\" are ignored", name);
-    glint_gltf_ignored(g, at, "mesh", name, none);
-}
-
-// The accessors and the mode say all: primitives with equal ones show the same triangles.
-static uint32_t *find_key(struct meshes *m, const struct glint_json *at, uint32_t mode)
-{
-    const struct glint_json a = glint_json_member(at, "attributes");
-    static const char *const names[] = {"POSITION", "NORMAL", "TEXCOORD_0", "TANGENT"};
-    char key[160];
-    int n = snprintf(key, sizeof key, "%u", mode);
-    for (int i = 0; i < 5; i++) {
-        const struct glint_json v =
-            i < 4 ? glint_json_member(&a, names[i]) : glint_json_member(at, "indices");
-        n += snprintf(key + n, sizeof key - (size_t)n, " %.10g",
-                      cJSON_IsNumber(v.value) ? v.value->valuedouble : -1.0);
-    }
-    return glint_gltf_names_at(&m->keys, &m->g->scratch, key);
-}
-
-// A geometry that is new; GLINT_NONE when it has no triangle or a fault.
-static uint32_t add_geometry(struct meshes *m, const struct glint_json *at, uint32_t mode,
-                             const char *name)
-{
-    struct glint_gltf_geometry new = {.mode = mode, .name = name};
-    if (!read_parts(m->g, at, &new))
-        return GLINT_NONE;
-    const uint32_t vertices = new.part[GLTF_POSITION].count;
-    const uint32_t elements = new.part[GLTF_INDEX].count ? new.part[GLTF_INDEX].count : vertices;
-    if (!vertices || elements < 3) {
-        glint_gltf_note(m->g, "mesh without triangles",
-                        "a primitive of mesh \"%.200s\" has no triangles and is left out", name);
-        return GLINT_NONE;
-    }
-    if (m->geometries == m->capacity) {
-        const uint32_t capacity = m->capacity ? 2 * m->capacity : 64;
-        struct glint_gltf_geometry *more =
-            glint_arena_array(&m->g->scratch, capacity, sizeof *more);
-        if (!more) {
-            glint_gltf_nomem(m->g);
-            return GLINT_NONE;
-        }
-        if (m->geometries)
-            memcpy(more, m->geometry, m->geometries * sizeof *more);
-        m->geometry = more;
-        m->capacity = capacity;
-    }
-    m->geometry[m->geometries] = new;
-    return m->geometries++;
-}
-
-static uint32_t find_geometry(struct meshes *m, const struct glint_json *at, uint32_t mode,
-                              const char *name)
-{
-    uint32_t *key = find_key(m, at, mode);
-    if (!key) {
+    const struct glint_json at = glint_gltf_item(m->g, GLTF_MESHES, i);
+    const struct glint_json list = glint_json_member(&at, "primitives");
+    size_t count = 0;
+    glint_json_require(&list);
+    glint_json_length(&list, &count);
+    mesh->primitive = glint_arena_array(&m->g->scratch, count + 1, sizeof *mesh->primitive);
+    if (!mesh->primitive)
         glint_gltf_nomem(m->g);
-        return GLINT_NONE;
+    if (!mesh->primitive || !count)
+        return;
+    mesh->targets = count_targets(&list);
+    const float *weight = glint_gltf_weights(m->g, &at, mesh->targets);
+    for (const cJSON *c = list.value->child; c; c = c->next) {
+        const uint32_t k = mesh->primitives;
+        const struct glint_json p = glint_json_item(&list, c, k);
+        mesh->primitive[mesh->primitives++] =
+            check_targets(&p, mesh->targets)
+                ? glint_gltf_read_primitive(&m->all, &p, i, k, weight, name)
+                : (struct glint_gltf_primitive){GLINT_NONE, GLINT_NONE};
     }
-    if (!*key) {
-        const uint32_t index = add_geometry(m, at, mode, name);
-        if (index == GLINT_NONE)
-            return GLINT_NONE;
-        *key = index + 1;
-    }
-    return *key - 1;
-}
-
-static struct primitive read_primitive(struct meshes *m, const struct glint_json *at,
-                                       const char *name)
-{
-    static const char *const kinds[] = {"points", "lines", "lines", "lines"};
-    const struct glint_json member = glint_json_member(at, "mode");
-    struct primitive p = {GLINT_NONE, GLINT_NONE};
-    uint32_t mode = 4;
-    if (!glint_json_uint(&member, 0, 6, &mode))
-        return p;
-    if (mode < 4) {
-        glint_gltf_note(m->g, kinds[mode], "%s of mesh \"%.200s\" are left out", kinds[mode], name);
-        return p;
-    }
-    p.material = glint_gltf_index(m->g, at, "material", GLTF_MATERIALS);
-    p.geometry = find_geometry(m, at, mode, name);
-    note_unused(m->g, at, name);
-    return p;
 }
 
 static void read_mesh(struct meshes *m, uint32_t i)
@@ -178,22 +70,14 @@ static void read_mesh(struct meshes *m, uint32_t i)
         return;
     mesh->read = true;
     const struct glint_json at = glint_gltf_item(m->g, GLTF_MESHES, i);
-    const struct glint_json list = glint_json_member(&at, "primitives");
     const char *name = glint_gltf_name(m->g, &at);
     if (!*name)
         name = glint_arena_print(&m->g->scratch, "mesh_%u", i);
-    size_t count = 0, k = 0;
-    glint_json_require(&list);
-    glint_json_length(&list, &count);
-    mesh->primitive = glint_arena_array(&m->g->scratch, count + 1, sizeof *mesh->primitive);
-    if (!name || !mesh->primitive) {
+    if (!name) {
         glint_gltf_nomem(m->g);
         return;
     }
-    for (const cJSON *c = count ? list.value->child : NULL; c; c = c->next, k++) {
-        const struct glint_json p = glint_json_item(&list, c, k);
-        mesh->primitive[mesh->primitives++] = read_primitive(m, &p, name);
-    }
+    read_primitives(m, mesh, i, name);
     glint_gltf_ignored(m->g, &at, "mesh", name, none);
 }
 
@@ -235,22 +119,78 @@ static char *asset_of(struct glint_gltf *g, uint32_t node)
     return glint_arena_print(&g->scene->arena, "%.*s", colon ? (int)(colon - n->name) : 0, n->name);
 }
 
-static void add_instance(struct meshes *m, const struct primitive *p, uint32_t object,
-                         const float transform[16], const char *id)
+// What a node shows a mesh with, besides the mesh.
+struct showing {
+    uint32_t node, mesh, object;
+    uint32_t skin;       // of the file, or GLINT_NONE
+    const float *weight; // of morph targets, or NULL: the mesh's
+};
+
+static bool check_reach(struct glint_gltf *g, const struct showing *w, uint32_t geometry,
+                        const double place[16])
 {
-    struct glint_gltf *g = m->g;
-    const double reach = glint_gltf_reach(transform, g->reach[p->geometry]);
-    if (reach > GLINT_MAX_COORDINATE) {
-        glint_fail(g->err, GLINT_E_RANGE, "/nodes",
-                   "node \"%.200s\" reaches to %g metres; the "
-                   "limit is %g",
-                   g->scene->object[object].name, reach, (double)GLINT_MAX_COORDINATE);
+    float world[16];
+    const double reach = glint_gltf_fit(world, place) ? glint_gltf_reach(world, g->reach[geometry])
+                                                      : (double)INFINITY;
+    if (reach <= GLINT_MAX_COORDINATE)
+        return true;
+    glint_fail(g->err, GLINT_E_RANGE, "/nodes",
+               "node \"%.200s\" reaches to %g metres; the limit is %g",
+               g->scene->object[w->object].name, reach, (double)GLINT_MAX_COORDINATE);
+    return false;
+}
+
+// Bound to the joints, which say where it is. False after a fault, or where there is no binding.
+static bool bind(struct glint_gltf *g, const struct showing *w, struct glint_instance *in)
+{
+    const char *name = g->scene->object[w->object].name;
+    char pointer[40];
+    if (!g->joints[in->mesh]) {
+        glint_gltf_note(g, "skin without joints",
+                        "node \"%.200s\" has a skin, but its mesh has no joints: it is not bound",
+                        name);
+        return false;
+    }
+    in->skin = g->skin[w->skin];
+    const uint32_t joints = g->scene->skin[in->skin].joints;
+    snprintf(pointer, sizeof pointer, "/nodes/%u/skin", w->node);
+    if (g->joints[in->mesh] > joints)
+        glint_fail(g->err, GLINT_E_RANGE, pointer,
+                   "the mesh of node \"%.200s\" asks for joint %u; the skin has %u", name,
+                   g->joints[in->mesh] - 1, joints);
+    return true;
+}
+
+// `below` is the transform below the node, of one of its copies.
+static void place(struct glint_gltf *g, const struct showing *w, const double below[16],
+                  struct glint_instance *in)
+{
+    const struct glint_gltf_node *n = &g->node[w->node];
+    double world[16];
+    glint_gltf_multiply(world, n->world, below);
+    if (w->skin != GLINT_NONE && bind(g, w, in)) {
+        in->node = n->weighs ? n->frame : GLINT_NONE; // whose channels morph it
         return;
     }
+    if (!check_reach(g, w, in->mesh, world))
+        return;
+    const bool framed = n->moves || n->weighs;
+    in->node = framed ? n->frame : GLINT_NONE;
+    glint_gltf_fit(in->transform, framed ? below : world);
+}
+
+static void add_instance(struct meshes *m, const struct showing *w,
+                         const struct glint_gltf_primitive *p, const double below[16],
+                         const char *id)
+{
+    struct glint_gltf *g = m->g;
     struct glint_instance *in = &g->scene->instance[g->scene->instances];
-    *in = (struct glint_instance){.object = object, .mesh = p->geometry, .visible = true};
+    glint_instance_init(in);
+    in->object = w->object;
+    in->mesh = p->geometry;
     in->material = glint_gltf_material(g, p->material);
-    memcpy(in->transform, transform, sizeof in->transform);
+    in->weight = w->weight;
+    place(g, w, below, in);
     in->id = glint_gltf_names_id(&g->ids[GLTF_ID_INSTANCE], &g->scene->arena, id);
     if (in->id)
         g->scene->instances++;
@@ -258,28 +198,54 @@ static void add_instance(struct meshes *m, const struct primitive *p, uint32_t o
         glint_gltf_nomem(g);
 }
 
-static void add_instances(struct meshes *m, uint32_t mesh, uint32_t object,
-                          const float transform[16])
+// The ids of a copy's instances start with `base`.
+static void add_instances(struct meshes *m, const struct showing *w, const double below[16],
+                          const char *base)
 {
-    const struct mesh *shown = &m->mesh[mesh];
-    const char *base = m->g->scene->object[object].id;
+    const struct mesh *shown = &m->mesh[w->mesh];
     for (uint32_t k = 0; k < shown->primitives; k++) {
-        char id[96];
+        char id[112];
         if (shown->primitive[k].geometry == GLINT_NONE)
             continue;
         if (shown->primitives == 1)
             snprintf(id, sizeof id, "%s", base);
         else
             snprintf(id, sizeof id, "%s.%u", base, k);
-        add_instance(m, &shown->primitive[k], object, transform, id);
+        add_instance(m, w, &shown->primitive[k], below, id);
     }
 }
 
-static void note_skin(struct glint_gltf *g, const struct glint_json *at, const char *name)
+// Scaled to nothing: a common way to hide. What moves may grow.
+static bool has_volume(struct glint_gltf *g, const struct showing *w, const double below[16])
 {
-    if (glint_json_member(at, "skin").value)
-        glint_gltf_note(g, "skin on a node",
-                        "the skin of node \"%.200s\" is ignored: its mesh does not move", name);
+    const struct glint_gltf_node *n = &g->node[w->node];
+    double world[16];
+    float single[16];
+    glint_gltf_multiply(world, n->world, below);
+    if (w->skin != GLINT_NONE || glint_gltf_to_float(single, n->moves ? below : world))
+        return true;
+    const char *name = n->name;
+    glint_gltf_note(g, "node without volume",
+                    "node \"%.200s\" is left out: its transform is singular or too large",
+                    *name ? name : glint_gltf_node_path(g, w->node));
+    return false;
+}
+
+static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+static void add_copies(struct meshes *m, const struct showing *w, const struct glint_json *at,
+                       uint32_t count)
+{
+    const char *base = m->g->scene->object[w->object].id;
+    double(*copy)[16] = count ? glint_gltf_read_copies(m->g, at) : NULL;
+    if (!count)
+        add_instances(m, w, identity, base);
+    for (uint32_t i = 0; copy && i < count; i++) {
+        char id[96];
+        snprintf(id, sizeof id, "%s.%u", base, i);
+        if (has_volume(m->g, w, copy[i]))
+            add_instances(m, w, copy[i], id);
+    }
 }
 
 static bool shows_something(const struct mesh *mesh)
@@ -290,30 +256,32 @@ static bool shows_something(const struct mesh *mesh)
     return false;
 }
 
+static bool name_object(struct meshes *m, const struct showing *w, struct glint_object *o)
+{
+    struct glint_gltf *g = m->g;
+    const char *name = object_name(m, w->node, w->mesh);
+    o->name = name ? glint_arena_string(&g->scene->arena, name) : NULL;
+    o->asset = asset_of(g, w->node);
+    o->id = name ? glint_gltf_names_id(&g->ids[GLTF_ID_OBJECT], &g->scene->arena, name) : NULL;
+    return (o->name && o->asset && o->id) || glint_gltf_nomem(g);
+}
+
 static void add_object(struct meshes *m, uint32_t node, uint32_t mesh)
 {
     struct glint_gltf *g = m->g;
     const struct glint_json at = glint_gltf_item(g, GLTF_NODES, node);
-    float transform[16];
-    const char *name = object_name(m, node, mesh);
-    struct glint_object *o = &g->scene->object[g->scene->objects];
+    struct showing w = {.node = node, .mesh = mesh, .object = g->scene->objects};
+    w.skin = glint_gltf_index(g, &at, "skin", GLTF_SKINS);
     if (!shows_something(&m->mesh[mesh]))
         return;
-    if (!glint_gltf_to_float(transform, g->node[node].world)) {
-        glint_gltf_note(g, "node without volume",
-                        "node \"%.200s\" is left out: its transform is singular or too large",
-                        name ? name : "");
-        return; // scaled to nothing: a common way to hide
-    }
-    o->name = glint_arena_string(&g->scene->arena, name);
-    o->asset = asset_of(g, node);
-    o->id = name ? glint_gltf_names_id(&g->ids[GLTF_ID_OBJECT], &g->scene->arena, name) : NULL;
-    if (!o->name || !o->asset || !o->id) {
-        glint_gltf_nomem(g);
+    const uint32_t copies = glint_gltf_copies(g, &at);
+    if (!copies && !has_volume(g, &w, identity))
         return;
-    }
-    note_skin(g, &at, name);
-    add_instances(m, mesh, g->scene->objects++, transform);
+    if (!name_object(m, &w, &g->scene->object[w.object]))
+        return;
+    w.weight = glint_gltf_weights(g, &at, m->mesh[mesh].targets);
+    g->scene->objects++;
+    add_copies(m, &w, &at, copies);
 }
 
 // --- all of them
@@ -335,7 +303,9 @@ static bool collect(struct meshes *m, uint64_t *instances)
         if (mesh == GLINT_NONE)
             continue;
         read_mesh(m, mesh);
-        *instances += m->mesh[mesh].primitives;
+        const struct glint_json at = glint_gltf_item(g, GLTF_NODES, g->order[k]);
+        const uint32_t copies = glint_gltf_copies(g, &at);
+        *instances += (uint64_t)m->mesh[mesh].primitives * (copies ? copies : 1);
         const char *name = short_name(g, g->order[k], mesh);
         uint32_t *uses = name ? glint_gltf_names_at(&m->names, &g->scratch, name) : NULL;
         if (!uses)
@@ -351,17 +321,18 @@ static bool collect(struct meshes *m, uint64_t *instances)
 static bool name_meshes(struct meshes *m)
 {
     struct glint_scene *s = m->g->scene;
-    s->mesh = glint_arena_array(&s->arena, m->geometries + 1, sizeof *s->mesh);
-    m->g->reach = glint_arena_array(&m->g->scratch, m->geometries + 1, sizeof *m->g->reach);
-    if (!s->mesh || !m->g->reach)
+    s->mesh = glint_arena_array(&s->arena, m->all.geometries + 1, sizeof *s->mesh);
+    m->g->reach = glint_arena_array(&m->g->scratch, m->all.geometries + 1, sizeof *m->g->reach);
+    m->g->joints = glint_arena_array(&m->g->scratch, m->all.geometries + 1, sizeof *m->g->joints);
+    if (!s->mesh || !m->g->reach || !m->g->joints)
         return glint_gltf_nomem(m->g);
-    for (uint32_t i = 0; i < m->geometries; i++) {
+    for (uint32_t i = 0; i < m->all.geometries; i++) {
         s->mesh[i].id =
-            glint_gltf_names_id(&m->g->ids[GLTF_ID_MESH], &s->arena, m->geometry[i].name);
+            glint_gltf_names_id(&m->g->ids[GLTF_ID_MESH], &s->arena, m->all.geometry[i].name);
         if (!s->mesh[i].id)
             return glint_gltf_nomem(m->g);
     }
-    s->meshes = m->geometries;
+    s->meshes = m->all.geometries;
     return true;
 }
 
@@ -371,7 +342,7 @@ static void read_all(struct meshes *m)
     uint64_t instances;
     if (!collect(m, &instances) || !name_meshes(m))
         return;
-    glint_gltf_read_geometry(g, m->geometry, m->geometries);
+    glint_gltf_read_geometry(g, m->all.geometry, m->all.geometries);
     if (g->err->status)
         return;
     g->scene->object =
@@ -391,12 +362,12 @@ static void read_all(struct meshes *m)
 
 void glint_gltf_read_meshes(struct glint_gltf *g)
 {
-    struct meshes m = {.g = g};
+    struct meshes m = {.g = g, .all = {.g = g}};
     m.mesh = glint_arena_array(&g->scratch, g->list[GLTF_MESHES].count + 1, sizeof *m.mesh);
     if (m.mesh)
         read_all(&m);
     else
         glint_gltf_nomem(g);
-    glint_gltf_names_finish(&m.keys);
+    glint_gltf_names_finish(&m.all.keys);
     glint_gltf_names_finish(&m.names);
 }

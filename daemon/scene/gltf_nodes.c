@@ -31,17 +31,22 @@ static void read_matrix(const struct glint_json *node, double out[16])
         glint_json_fault(&at, "the last row must be 0 0 0 1");
 }
 
-static void read_local(const struct glint_json *node, double out[16])
+static void read_local(const struct glint_json *node, struct glint_gltf_node *n)
 {
-    double t[3] = {0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
-    static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    memcpy(out, identity, sizeof identity);
-    if (glint_json_member(node, "matrix").value) {
-        read_matrix(node, out);
+    static const struct glint_gltf_node rest = {
+        .rotation = {0, 0, 0, 1},
+        .scale = {1, 1, 1},
+        .local = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+    };
+    double *q = n->rotation;
+    *n = rest;
+    n->matrix = glint_json_member(node, "matrix").value != NULL;
+    if (n->matrix) {
+        read_matrix(node, n->local);
         return;
     }
-    if (!read_doubles(node, "translation", 3, t) || !read_doubles(node, "rotation", 4, q) ||
-        !read_doubles(node, "scale", 3, s))
+    if (!read_doubles(node, "translation", 3, n->translation) ||
+        !read_doubles(node, "rotation", 4, q) || !read_doubles(node, "scale", 3, n->scale))
         return;
     const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     const struct glint_json rotation = glint_json_member(node, "rotation");
@@ -51,7 +56,7 @@ static void read_local(const struct glint_json *node, double out[16])
     }
     for (int i = 0; i < 4; i++)
         q[i] /= length;
-    glint_gltf_compose(out, t, q, s);
+    glint_gltf_compose(n->local, n->translation, q, n->scale);
 }
 
 static const char *read_asset(struct glint_gltf *g, const struct glint_json *node)
@@ -68,22 +73,22 @@ static const char *read_asset(struct glint_gltf *g, const struct glint_json *nod
 static void read_node(struct glint_gltf *g, uint32_t i, uint32_t parent)
 {
     const struct glint_json at = glint_gltf_item(g, GLTF_NODES, i);
-    static const char *const known[] = {"KHR_lights_punctual", NULL};
+    static const char *const known[] = {"EXT_mesh_gpu_instancing", "KHR_lights_punctual", NULL};
     struct glint_gltf_node *n = &g->node[i];
     const struct glint_gltf_node *above = parent == GLINT_NONE ? NULL : &g->node[parent];
-    double local[16];
-    read_local(&at, local);
+    read_local(&at, n);
     n->reached = true;
     n->parent = parent;
+    n->frame = GLINT_NONE;
     n->depth = above ? above->depth + 1 : 0;
     n->name = glint_gltf_name(g, &at);
     n->asset = read_asset(g, &at);
     if (!n->asset && above)
         n->asset = above->asset;
     if (above)
-        glint_gltf_multiply(n->world, above->world, local);
+        glint_gltf_multiply(n->world, above->world, n->local);
     else
-        memcpy(n->world, local, sizeof local);
+        memcpy(n->world, n->local, sizeof n->local);
     glint_gltf_ignored(g, &at, "node", n->name, known);
 }
 

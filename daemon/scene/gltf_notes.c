@@ -43,22 +43,9 @@ void glint_gltf_ignored(struct glint_gltf *g, const struct glint_json *object, c
     }
 }
 
-static void note_all(struct glint_gltf *g, enum glint_gltf_kind kind, const char *what)
-{
-    for (uint32_t i = 0; i < g->list[kind].count; i++) {
-        const struct glint_json at = glint_gltf_item(g, kind, i);
-        char number[16];
-        snprintf(number, sizeof number, "%u", i);
-        const char *name = glint_gltf_name(g, &at);
-        glint_gltf_note(g, what, "%s \"%.200s\" is ignored", what, *name ? name : number);
-    }
-}
-
 void glint_gltf_note_the_rest(struct glint_gltf *g)
 {
     static const char *const known[] = {"KHR_lights_punctual", NULL};
-    note_all(g, GLTF_ANIMATIONS, "animation");
-    note_all(g, GLTF_SKINS, "skin");
     glint_gltf_ignored(g, &g->root, "file", "glTF", known);
 }
 

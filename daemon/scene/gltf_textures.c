@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#define MAX_SHIFT 1e6f // of texture coordinates, and their scale
+
 static bool read_wrap(const struct glint_json *sampler, const char *key, enum glint_wrap *out)
 {
     const struct glint_json at = glint_json_member(sampler, key);
@@ -28,28 +30,17 @@ static bool read_wrap(const struct glint_json *sampler, const char *key, enum gl
     }
 }
 
-static bool is_nearest(const struct glint_json *sampler, const char *key)
+// Textures have one size here, so that the filters for distant ones say nothing.
+static bool read_filter(const struct glint_json *sampler, enum glint_filtering *out)
 {
-    const struct glint_json at = glint_json_member(sampler, key);
-    uint32_t filter = 0;
+    const struct glint_json at = glint_json_member(sampler, "magFilter");
+    uint32_t filter = 9729;
     if (!glint_json_uint(&at, 0, UINT32_MAX, &filter))
         return false;
-    return filter == 9728 || filter == 9984 || filter == 9986; // NEAREST, with mipmaps or without
-}
-
-// Only what is in use is looked at, and what cannot be granted is said once for each sampler.
-static void note_filter(struct glint_gltf *g, uint32_t i)
-{
-    if (g->sampler_read[i])
-        return;
-    g->sampler_read[i] = true;
-    const struct glint_json at = glint_gltf_item(g, GLTF_SAMPLERS, i);
-    const bool magnified = is_nearest(&at, "magFilter"), minified = is_nearest(&at, "minFilter");
-    if (magnified || minified)
-        glint_gltf_note(
-            g, "nearest filtering",
-            "sampler %u asks for nearest filtering%s%s; textures are filtered bilinearly", i,
-            magnified ? " (magFilter)" : "", minified ? " (minFilter)" : "");
+    if (filter != 9728 && filter != 9729)
+        return glint_json_fault(&at, "%u is no magnification filter", filter);
+    *out = filter == 9728 ? GLINT_FILTERING_NEAREST : GLINT_FILTERING_LINEAR;
+    return true;
 }
 
 static bool decode(struct glint_gltf *g, uint32_t i, const uint8_t *bytes, size_t size,
@@ -122,8 +113,9 @@ static struct glint_texture read_texture(struct glint_gltf *g, uint32_t i)
 {
     static const char *const none[] = {NULL};
     const struct glint_json at = glint_gltf_item(g, GLTF_TEXTURES, i);
-    struct glint_texture t = {.image = GLINT_NONE};
+    struct glint_texture t;
     char number[24];
+    glint_texture_init(&t);
     snprintf(number, sizeof number, "%u", i);
     glint_gltf_ignored(g, &at, "texture", number, none);
     const uint32_t sampler = glint_gltf_index(g, &at, "sampler", GLTF_SAMPLERS);
@@ -131,7 +123,7 @@ static struct glint_texture read_texture(struct glint_gltf *g, uint32_t i)
         const struct glint_json s = glint_gltf_item(g, GLTF_SAMPLERS, sampler);
         read_wrap(&s, "wrapS", &t.wrap_u);
         read_wrap(&s, "wrapT", &t.wrap_v);
-        note_filter(g, sampler);
+        read_filter(&s, &t.filter);
     }
     const uint32_t image = glint_gltf_index(g, &at, "source", GLTF_IMAGES);
     if (image != GLINT_NONE)
@@ -141,28 +133,58 @@ static struct glint_texture read_texture(struct glint_gltf *g, uint32_t i)
     return t;
 }
 
-struct glint_texture glint_gltf_texture(struct glint_gltf *g, const struct glint_json *info,
-                                        const char *material)
+// Where the coordinates come from: the set, and KHR_texture_transform, which may name another.
+static void read_coordinates(struct glint_gltf *g, const struct glint_json *info,
+                             const char *material, struct glint_texture *t)
 {
-    static const char *const none[] = {NULL};
-    struct glint_texture t = {.image = GLINT_NONE};
-    if (!info->value)
-        return t;
-    const struct glint_json index = glint_json_member(info, "index");
     const struct glint_json set = glint_json_member(info, "texCoord");
+    struct glint_json hold[2];
     uint32_t coordinates = 0;
-    glint_json_require(&index);
-    const uint32_t i = glint_gltf_index(g, info, "index", GLTF_TEXTURES);
-    if (!glint_json_uint(&set, 0, UINT32_MAX, &coordinates) || i == GLINT_NONE)
-        return t;
-    if (coordinates)
+    glint_json_uint(&set, 0, UINT32_MAX, &coordinates);
+    if (glint_gltf_extension(info, "KHR_texture_transform", hold)) {
+        const struct glint_json offset = glint_json_member(&hold[1], "offset");
+        const struct glint_json scale = glint_json_member(&hold[1], "scale");
+        const struct glint_json rotation = glint_json_member(&hold[1], "rotation");
+        const struct glint_json other = glint_json_member(&hold[1], "texCoord");
+        glint_json_floats(&offset, 2, -MAX_SHIFT, MAX_SHIFT, t->offset);
+        glint_json_floats(&scale, 2, -MAX_SHIFT, MAX_SHIFT, t->scale);
+        glint_json_float(&rotation, -MAX_SHIFT, MAX_SHIFT, &t->rotation);
+        glint_json_uint(&other, 0, UINT32_MAX, &coordinates);
+    }
+    if (coordinates > 1)
         glint_gltf_note(g, "texture coordinates",
                         "material \"%.200s\" uses texture coordinates %u; set 0 is used instead",
                         material, coordinates);
-    glint_gltf_ignored(g, info, "texture of material", material, none);
+    t->uv_set = coordinates == 1;
+}
+
+struct glint_texture glint_gltf_texture(struct glint_gltf *g, const struct glint_json *info,
+                                        const char *material)
+{
+    static const char *const known[] = {"KHR_texture_transform", NULL};
+    struct glint_texture t;
+    glint_texture_init(&t);
+    if (!info->value)
+        return t;
+    const struct glint_json index = glint_json_member(info, "index");
+    glint_json_require(&index);
+    const uint32_t i = glint_gltf_index(g, info, "index", GLTF_TEXTURES);
+    if (i == GLINT_NONE)
+        return t;
     if (!g->texture_read[i]) {
         g->texture_read[i] = true;
         g->texture[i] = read_texture(g, i);
     }
-    return g->texture[i];
+    t = g->texture[i];
+    read_coordinates(g, info, material, &t);
+    glint_gltf_ignored(g, info, "texture of material", material, known);
+    return t;
+}
+
+struct glint_texture glint_gltf_texture_member(struct glint_gltf *g,
+                                               const struct glint_json *object, const char *key,
+                                               const char *material)
+{
+    const struct glint_json info = glint_gltf_object(object, key);
+    return glint_gltf_texture(g, &info, material);
 }
