@@ -1,5 +1,6 @@
 #include "scene/geometry.h"
 
+#include "kernels/gk_sampler.h"
 #include "kernels/gk_wave.h"
 
 #include <embree3/rtcore.h>
@@ -82,8 +83,18 @@ void glint_geometry_destroy(glint_geometry **geometry)
 // geometry, instance. (Embree's own accessors are C++.)
 enum { HIT_U = 3, HIT_V = 4, HIT_PRIMITIVE = 5, HIT_GEOMETRY = 6, HIT_INSTANCE = 7 };
 
-static void drop_holes(const struct RTCFilterFunctionNArguments *args)
+// Word k of ray i in a packet of n, in the order of struct RTCRayN.
+enum { RAY_ID = 10 };
+
+// Of a ray's key and the primitive: several surfaces on a ray are passed independently.
+static uint32_t chance_of(uint32_t key, uint32_t row, uint32_t primitive)
 {
+    return gk_mix32(key ^ gk_mix32(row * 0x9e3779b9u + gk_mix32(primitive + 0x7f4a7c15u)));
+}
+
+static void drop_holes(const struct RTCFilterFunctionNArguments *args, uint32_t salt)
+{
+    const uint32_t *ray = (const uint32_t *)args->ray;
     const glint_geometry *g = args->geometryUserPtr;
     const float *number = (const float *)args->hit;
     const uint32_t *word = (const uint32_t *)args->hit;
@@ -94,10 +105,22 @@ static void drop_holes(const struct RTCFilterFunctionNArguments *args)
         const uint32_t instance = word[HIT_INSTANCE * n + i];
         const uint32_t geometry = word[HIT_GEOMETRY * n + i];
         const uint32_t row = instance != RTC_INVALID_GEOMETRY_ID ? instance : geometry;
-        if (g->hole(g->user, row, word[HIT_PRIMITIVE * n + i], number[HIT_U * n + i],
-                    number[HIT_V * n + i]))
+        const uint32_t primitive = word[HIT_PRIMITIVE * n + i];
+        const uint32_t chance = chance_of(ray[RAY_ID * n + i] ^ salt, row, primitive);
+        if (g->hole(g->user, row, primitive, number[HIT_U * n + i], number[HIT_V * n + i], chance))
             args->valid[i] = 0;
     }
+}
+
+static void drop_seen_holes(const struct RTCFilterFunctionNArguments *args)
+{
+    drop_holes(args, 0);
+}
+
+// The shadow ray of a vertex has the key of the next ray from there, and other chances.
+static void drop_shadow_holes(const struct RTCFilterFunctionNArguments *args)
+{
+    drop_holes(args, 0x5bd1e995u);
 }
 
 static RTCGeometry mesh_create(glint_geometry *g, const struct glint_geometry_mesh *mesh)
@@ -114,8 +137,8 @@ static RTCGeometry mesh_create(glint_geometry *g, const struct glint_geometry_me
     rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
     if (mesh->cutout) {
         rtcSetGeometryUserData(geometry, g);
-        rtcSetGeometryIntersectFilterFunction(geometry, drop_holes);
-        rtcSetGeometryOccludedFilterFunction(geometry, drop_holes);
+        rtcSetGeometryIntersectFilterFunction(geometry, drop_seen_holes);
+        rtcSetGeometryOccludedFilterFunction(geometry, drop_shadow_holes);
     }
     rtcCommitGeometry(geometry);
     return geometry;

@@ -24,9 +24,10 @@ struct glint_geometry_mesh {
     bool cutout; // ask `hole` about every hit
 };
 
-// Whether the surface has a hole at (u, v) of a primitive: called from tracing threads.
+// Whether a ray passes the surface at (u, v) of a primitive: called from tracing threads. chance:
+// 32 random bits, the same whenever that ray meets that primitive.
 typedef bool glint_geometry_hole(const void *user, uint32_t row, uint32_t primitive, float u,
-                                 float v);
+                                 float v, uint32_t chance);
 
 // robust: watertight traversal, 1.2x the time.
 glint_status glint_geometry_create(glint_geometry **out, bool robust, glint_geometry_hole *hole,

@@ -1,4 +1,5 @@
 // place.c - hands the kept triangles of every row to the traversal structure.
+#include "kernels/gk_sampler.h"
 #include "scene/internal.h"
 
 #include <stdlib.h>
@@ -8,7 +9,8 @@ static bool has_holes(const struct glint_resident *r, const struct glint_row *ro
     if (row->material >= r->scene->materials)
         return false;
     const struct glint_material *m = &r->scene->material[row->material];
-    return m->alpha_mode == GLINT_ALPHA_MASK && m->alpha_cutoff > 0.0f;
+    return m->alpha_mode == GLINT_ALPHA_BLEND ||
+           (m->alpha_mode == GLINT_ALPHA_MASK && m->alpha_cutoff > 0.0f);
 }
 
 static bool template_has_holes(const struct glint_resident *r, uint32_t template_index)
@@ -19,13 +21,17 @@ static bool template_has_holes(const struct glint_resident *r, uint32_t template
     return false;
 }
 
-// The opacity test of a hit: what kernels compute, compiled for the host.
-static bool hole_at(const void *user, uint32_t row, uint32_t primitive, float u, float v)
+// The opacity test of a hit: what kernels compute, compiled for the host. A blended surface is there
+// with the probability of its opacity, so that the mean of many rays sees its share of it.
+static bool hole_at(const void *user, uint32_t row, uint32_t primitive, float u, float v,
+                    uint32_t chance)
 {
     const struct glint_resident *r = user;
     const struct gk_material *m =
         (const struct gk_material *)glint_table_host(r, GLINT_TABLE_MATERIALS) +
         r->row[row].material;
+    if (m->flags & GK_MATERIAL_BLEND)
+        return gk_unit_float(chance) >= glint_resident_opacity(r, row, primitive, u, v);
     return m->cutoff > 0.0f && glint_resident_opacity(r, row, primitive, u, v) < m->cutoff;
 }
 
