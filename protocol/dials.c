@@ -34,9 +34,10 @@ const struct glint_dial_row glint_dial_table[GLINT_DIAL_COUNT] = {
                              "throughput: Arvo and Kirk 1990, survival by path throughput"},
     [GLINT_DIAL_LIGHTS] = {"lights",
                            "accuracy",
-                           {"power", "uniform"},
-                           0x3,
-                           "uniform: every emitter with equal probability"},
+                           {"spatial", "power", "uniform"},
+                           0x7,
+                           "power: the same choice everywhere; uniform: every emitter with equal "
+                           "probability"},
     [GLINT_DIAL_MICROFACET] = {"microfacet",
                                "accuracy",
                                {"multiple", "single"},

@@ -16,7 +16,7 @@ enum glint_dial {
     GLINT_DIAL_PRECISION,    // float64, float32
     GLINT_DIAL_TRAVERSAL,    // robust, fast
     GLINT_DIAL_ROULETTE,     // none, throughput
-    GLINT_DIAL_LIGHTS,       // power, uniform
+    GLINT_DIAL_LIGHTS,       // spatial, power, uniform
     GLINT_DIAL_MICROFACET,   // multiple, single
     GLINT_DIAL_COUNT
 };

@@ -1,5 +1,6 @@
 #include "scene/alias.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 static double total_of(const double *weight, uint32_t n)
@@ -52,4 +53,17 @@ bool glint_alias_build(const double *weight, uint32_t n, float *keep, uint32_t *
     free(share);
     free(stack);
     return true;
+}
+
+void glint_alias_round(float *keep, const uint32_t *other, uint32_t n, size_t stride,
+                       double *probability)
+{
+    for (uint32_t i = 0; i < n; i++)
+        probability[i] = 0.0;
+    for (uint32_t i = 0; i < n; i++) {
+        const double k = ceil(keep[i * stride] * 0x1p24) * 0x1p-24;
+        keep[i * stride] = (float)k;
+        probability[i] += k / n;
+        probability[other[i * stride]] += (1.0 - k) / n;
+    }
 }

@@ -12,4 +12,9 @@
 bool glint_alias_build(const double *weight, uint32_t n, float *keep, uint32_t *other,
                        size_t stride);
 
+// Rounds the keeps of a table up to whole steps of 2^-24, those of the sampler's numbers, and says with
+// what probability each entry is then really taken: never zero where its weight is not.
+void glint_alias_round(float *keep, const uint32_t *other, uint32_t n, size_t stride,
+                       double *probability);
+
 #endif

@@ -1,6 +1,7 @@
 // lights.c - the table of everything that next-event estimation can choose, and how often it does.
 #include "scene/alias.h"
 #include "scene/internal.h"
+#include "scene/light_grid.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -138,21 +139,47 @@ static void add_punctual(struct glint_resident *r, const struct glint_light *fro
     r->lights += power[r->lights] > 0.0;
 }
 
-static glint_status choose_by(struct glint_resident *r, const double *power,
-                              struct glint_error *err)
+// power: what each gives, on return how often each is really chosen.
+static glint_status choose_by(struct glint_resident *r, double *power, struct glint_error *err)
 {
     struct gk_alias *alias = glint_table_host(r, GLINT_TABLE_ALIAS);
     struct gk_light *light = glint_table_host(r, GLINT_TABLE_LIGHTS);
     double total = 0.0;
     for (uint32_t i = 0; i < r->lights; i++)
         total += power[i];
-    for (uint32_t i = 0; i < r->lights; i++)
-        light[i].choice = total > 0.0 ? (float)(power[i] / total) : 0.0f;
     if (total == 0.0)
         r->lights = 0; // all black
-    if (r->lights && !glint_alias_build(power, r->lights, &alias->keep, &alias->other, 2))
+    if (!r->lights)
+        return GLINT_OK;
+    if (!glint_alias_build(power, r->lights, &alias->keep, &alias->other, 2))
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the light table");
+    glint_alias_round(&alias->keep, &alias->other, r->lights, 2, power);
+    for (uint32_t i = 0; i < r->lights; i++)
+        light[i].choice = (float)power[i];
     return GLINT_OK;
+}
+
+// Where each light is wanted, when there are so many that it matters.
+static glint_status choose_where(struct glint_resident *r, const double *power,
+                                 struct glint_error *err)
+{
+    uint32_t shining = 0, *words = NULL;
+    for (uint32_t i = 0; i < r->lights; i++)
+        shining += power[i] > 0.0;
+    r->facts.light_grid = shining >= GLINT_LIGHT_GRID_LEAST;
+    if (!r->facts.light_grid)
+        return GLINT_OK;
+    const struct glint_light_grid_order order = {glint_table_host(r, GLINT_TABLE_LIGHTS), power,
+                                                 r->lights, r->radius};
+    size_t count;
+    glint_status st = glint_light_grid_build(&words, &count, &r->lighting, &order, err);
+    if (!st)
+        st = glint_buffer_create(&r->table[GLINT_TABLE_LIGHT_CELLS], r->devices,
+                                 count * sizeof *words, err);
+    if (!st)
+        memcpy(glint_table_host(r, GLINT_TABLE_LIGHT_CELLS), words, count * sizeof *words);
+    free(words);
+    return st;
 }
 
 glint_status glint_resident_build_lights(struct glint_resident *r, struct glint_error *err)
@@ -173,7 +200,9 @@ glint_status glint_resident_build_lights(struct glint_resident *r, struct glint_
         for (uint32_t i = 0; i < r->scene->lights; i++)
             if (r->scene->light[i].kind != GLINT_LIGHT_AREA)
                 add_punctual(r, &r->scene->light[i], power);
-        st = choose_by(r, power, err);
+        st = choose_where(r, power, err);
+        if (!st)
+            st = choose_by(r, power, err);
     }
     free(power);
     r->facts.light_table = r->lights > 0;

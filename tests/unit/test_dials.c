@@ -63,7 +63,7 @@ static void reference_is_exact_and_production_is_the_default(void **state)
     assert_int_equal(p[GLINT_DIAL_TRAVERSAL], glint_dial_setting(GLINT_DIAL_TRAVERSAL, "fast"));
     assert_int_equal(p[GLINT_DIAL_ROULETTE], glint_dial_setting(GLINT_DIAL_ROULETTE, "throughput"));
     assert_int_equal(p[GLINT_DIAL_GI], glint_dial_setting(GLINT_DIAL_GI, "path"));
-    assert_int_equal(p[GLINT_DIAL_LIGHTS], glint_dial_setting(GLINT_DIAL_LIGHTS, "power"));
+    assert_int_equal(p[GLINT_DIAL_LIGHTS], glint_dial_setting(GLINT_DIAL_LIGHTS, "spatial"));
 }
 
 int main(void)

@@ -121,7 +121,7 @@ static void a_preset_sets_the_dials_and_explicit_ones_override_it(void **state)
 {
     (void)state;
     struct glint_job *j =
-        parse("{'scene':'a','accuracy':{'gi':'none','lights':'uniform','preset':'reference'},"
+        parse("{'scene':'a','accuracy':{'gi':'none','lights':'power','preset':'reference'},"
               "'mattes':{'eviction':'direct_first'}}");
     for (int d = 0; d < GLINT_DIAL_COUNT; d++)
         assert_int_equal(j->dial[d],
