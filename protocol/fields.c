@@ -4,7 +4,7 @@
 #include <assert.h>
 #include <string.h>
 
-#define MAX_FIELDS 32
+#define MAX_FIELDS 40
 
 static bool known_only(const struct glint_json *object, const struct glint_field *fields)
 {

@@ -33,7 +33,7 @@ static void read_camera(const struct glint_json *at, struct glint_job *job)
 {
     if (cJSON_IsObject(at->value)) {
         job->has_camera = true;
-        glint_camera_read(at, "camera", &job->arena, &job->camera);
+        glint_camera_read(at, "camera", NULL, &job->arena, &job->camera);
     } else if (at->value && !cJSON_IsString(at->value)) {
         glint_json_fault(at, "the name of one of the scene's cameras, or a camera, is expected");
     } else {

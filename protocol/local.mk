@@ -37,17 +37,26 @@ libglint_a_SOURCES = \
 	protocol/problem.h \
 	protocol/scene.c \
 	protocol/scene.h \
+	protocol/scene_animation.c \
 	protocol/scene_asset.c \
 	protocol/scene_complete.c \
 	protocol/scene_fields.c \
+	protocol/scene_hashes.c \
 	protocol/scene_ids.c \
+	protocol/scene_instance.c \
 	protocol/scene_items.c \
 	protocol/scene_mesh.c \
 	protocol/scene_mesh_check.c \
+	protocol/scene_mesh_inline.c \
+	protocol/scene_mesh_layout.c \
+	protocol/scene_nodes.c \
 	protocol/scene_parse.c \
 	protocol/scene_parts.h \
 	protocol/scene_primitives.c \
+	protocol/scene_reach.c \
+	protocol/scene_skin.c \
 	protocol/scene_transform.c \
+	protocol/scene_trust.c \
 	protocol/scene_write.c \
 	protocol/status.c \
 	protocol/status.h \

@@ -1,5 +1,5 @@
 // scene.c - the end of a scene, and its warnings.
-#include "protocol/scene.h"
+#include "protocol/scene_parts.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -47,8 +47,6 @@ void glint_scene_warn(struct glint_scene *scene, const char *format, ...)
     free(text);
 }
 
-static const float identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-
 void glint_texture_init(struct glint_texture *t)
 {
     *t = (struct glint_texture){.image = GLINT_NONE, .scale = {1, 1}};
@@ -70,24 +68,14 @@ void glint_material_init(struct glint_material *m)
         .attenuation_color = {1, 1, 1},
         .collimation = 1,
     };
-    struct glint_texture *const texture[] = {&m->base_color_texture,
-                                             &m->metallic_roughness_texture,
-                                             &m->normal_texture,
-                                             &m->emission_texture,
-                                             &m->specular_texture,
-                                             &m->specular_color_texture,
-                                             &m->transmission_texture,
-                                             &m->clearcoat_texture,
-                                             &m->clearcoat_roughness_texture,
-                                             &m->clearcoat_normal_texture};
-    for (size_t i = 0; i < sizeof texture / sizeof *texture; i++)
-        glint_texture_init(texture[i]);
+    for (size_t i = 0; i < GLINT_TEXTURE_SLOTS; i++)
+        glint_texture_init(glint_texture_of(m, i));
 }
 
 void glint_instance_init(struct glint_instance *in)
 {
     *in = (struct glint_instance){.node = GLINT_NONE, .skin = GLINT_NONE, .visible = true};
-    memcpy(in->transform, identity, sizeof identity);
+    memcpy(in->transform, glint_identity, sizeof glint_identity);
 }
 
 void glint_light_init(struct glint_light *l)
@@ -99,17 +87,18 @@ void glint_light_init(struct glint_light *l)
         .outer_cone = 0.785398163f,
         .size = {1, 1},
     };
-    memcpy(l->transform, identity, sizeof identity);
+    memcpy(l->transform, glint_identity, sizeof glint_identity);
 }
 
 void glint_camera_init(struct glint_camera *c)
 {
-    *c = (struct glint_camera){.node = GLINT_NONE, .ymag = 1, .focus_distance = 1};
-    memcpy(c->transform, identity, sizeof identity);
+    *c = (struct glint_camera){
+        .node = GLINT_NONE, .yfov = GLINT_DEFAULT_YFOV, .ymag = 1, .focus_distance = 1};
+    memcpy(c->transform, glint_identity, sizeof glint_identity);
 }
 
 void glint_node_init(struct glint_node *n)
 {
     *n = (struct glint_node){.parent = GLINT_NONE, .rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}};
-    memcpy(n->transform, identity, sizeof identity);
+    memcpy(n->transform, glint_identity, sizeof glint_identity);
 }

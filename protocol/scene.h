@@ -23,6 +23,8 @@
 // Bounds within which products of what a scene holds stay finite in single precision.
 #define GLINT_MAX_COORDINATE 1e12f // metres, in the object and in the world
 #define GLINT_MAX_RADIANCE 1e20f   // also of intensities
+#define GLINT_MAX_WEIGHT 1e6f      // of a morph target
+#define GLINT_MAX_SECONDS 1e9f     // of an animation
 #define GLINT_MAX_IMAGE_SIDE 16384u
 #define GLINT_MAX_MESH_COUNT 0x7fffffffu // vertices, triangles
 
@@ -115,7 +117,7 @@ struct glint_mesh {
     const float *uv;              // [vertices][2], or NULL
     const float *tangent;         // [vertices][4], w = sign of the bitangent, or NULL
     const float *uv1;             // [vertices][2], second set, or NULL
-    const float *color;           // [vertices][4] linear rgb and opacity, >= 0, or NULL
+    const float *color;           // [vertices][4] linear rgb and opacity, 0..1, or NULL
     const uint16_t *joint;        // [vertices][4] indices of a skin's joints, or NULL
     const float *weight;          // [vertices][4] >= 0, sum 1, where `joint` is present
     uint32_t targets;             // morph targets, 0..256
@@ -125,6 +127,10 @@ struct glint_mesh {
     const float *target_weight;   // [targets] at rest, or NULL: 0
     const uint32_t *index;        // [triangles][3], each < vertices
     char asset[65];               // "" when inline or a primitive
+    // Found by the parser, 0 where a scene is built otherwise.
+    float reach;        // largest |coordinate| of a position
+    float target_reach; // largest |coordinate| by which a target moves a vertex
+    uint32_t joint_end; // 1 + the largest index of a joint
 };
 
 // What an object matte selects.
@@ -135,6 +141,7 @@ struct glint_object {
 };
 
 // A frame of reference that may move. Node -> parent is its transform; a chain ends in the world.
+// At rest neither a node's transform nor its product with those above it is singular.
 struct glint_node {
     char *id, *name;
     uint32_t parent;                             // GLINT_NONE: the world. No cycles
@@ -148,7 +155,8 @@ struct glint_skin {
     char *id;
     uint32_t joints;           // 1..65535
     uint32_t *joint;           // [joints] nodes
-    const float *inverse_bind; // [joints][16] column-major
+    const float *inverse_bind; // [joints][16] column-major, affine
+    char asset[65];            // "" when inline
 };
 
 enum glint_channel_path {
@@ -169,8 +177,8 @@ struct glint_animation_channel {
     enum glint_channel_path path;
     enum glint_interpolation interpolation;
     uint32_t keys;      // 1..
-    uint32_t width;     // numbers in a value: 3, 4, or the targets of weights
-    const float *time;  // [keys] seconds, >= 0, growing
+    uint32_t width;     // numbers in a value: 3, 4, or the targets of the node's instances
+    const float *time;  // [keys] seconds, 0..1e9, growing
     const float *value; // [keys][width]; cubic: [keys][3][width], in-tangent, value, out-tangent
     char asset[65];     // "" when inline
 };
@@ -229,7 +237,7 @@ struct glint_medium {
     char *id;
     float density;   // extinction, 1/m, >= 0
     float albedo[3]; // 0..1, share of the extinction that scatters
-    float g;         // -1..1, mean cosine
+    float g;         // -0.999..0.999, mean cosine
     bool bounded;    // else it has no end, and nothing shines through it from infinity
     float box[6];    // least and greatest corner, metres in the world
 };
@@ -265,6 +273,14 @@ glint_status glint_scene_parse(struct glint_scene **out, const char *text, size_
                                const struct glint_asset *asset, size_t assets,
                                struct glint_error *err);
 
+// As above for an edited text. `checked` (may be NULL) is a scene parsed before: meshes and images
+// whose asset, counts, attributes and format are those of one in it are known to be good, and their
+// bytes, which must be the same, are not walked again. *out never points into *checked, which may
+// be destroyed at once.
+glint_status glint_scene_parse_from(struct glint_scene **out, const char *text, size_t length,
+                                    const struct glint_asset *asset, size_t assets,
+                                    const struct glint_scene *checked, struct glint_error *err);
+
 void glint_scene_destroy(struct glint_scene **scene);
 
 // What an item is where nothing is said of it: the defaults of the native form. Ids, names and
@@ -282,6 +298,11 @@ void glint_scene_warn(struct glint_scene *scene, const char *format, ...)
 
 // Adds the camera and environment that a scene must have, with a warning each.
 glint_status glint_scene_complete(struct glint_scene *scene, struct glint_error *err);
+
+// The same for a scene out of a file of another format. Such files are made to be looked at in some
+// light of the viewer's, and a surface that emits is a label or a lamp's picture. So the environment
+// comes too where only surfaces emit, and the file has no camera or no surface has radiance above 1.
+glint_status glint_scene_complete_file(struct glint_scene *scene, struct glint_error *err);
 
 // The canonical native JSON: keys in a fixed order, shortest round-trip numbers; meshes and images
 // by asset hash. Those that have no asset yet are packed into new assets, appended to *asset

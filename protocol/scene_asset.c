@@ -1,4 +1,4 @@
-// scene_asset.c - bytes and their names; meshes and images packed into assets.
+// scene_asset.c - bytes and their names; long arrays packed into assets.
 #include "protocol/scene_parts.h"
 
 #include <openssl/evp.h>
@@ -20,10 +20,13 @@ bool glint_asset_name(const void *bytes, size_t size, char sha256[65])
     return true;
 }
 
-unsigned glint_mesh_attributes(const struct glint_mesh *m)
+bool glint_packing_start(struct glint_packing *p, struct glint_asset *asset, size_t count)
 {
-    return (m->normal ? GLINT_MESH_NORMAL : 0) | (m->uv ? GLINT_MESH_UV : 0) |
-           (m->tangent ? GLINT_MESH_TANGENT : 0);
+    *p = (struct glint_packing){.asset = asset, .count = count, .capacity = count};
+    for (size_t i = 0; i < count; i++)
+        if (!glint_hashes_add(&p->there, asset[i].sha256, (uint32_t)i))
+            return false;
+    return true;
 }
 
 static bool append(struct glint_packing *p, struct glint_asset asset)
@@ -36,16 +39,10 @@ static bool append(struct glint_packing *p, struct glint_asset asset)
         p->asset = more;
         p->capacity = capacity;
     }
+    if (!glint_hashes_add(&p->there, asset.sha256, (uint32_t)p->count))
+        return false;
     p->asset[p->count++] = asset;
     return true;
-}
-
-static bool there(const struct glint_packing *p, const char *sha256)
-{
-    for (size_t i = 0; i < p->count; i++)
-        if (memcmp(p->asset[i].sha256, sha256, 65) == 0)
-            return true;
-    return false;
 }
 
 // Takes the bytes.
@@ -53,33 +50,25 @@ static bool keep(struct glint_packing *p, uint8_t *bytes, size_t size, char sha2
 {
     struct glint_asset asset = {.bytes = bytes, .size = size};
     const bool named = glint_asset_name(bytes, size, asset.sha256);
+    const bool there = named && glint_hashes_find(&p->there, asset.sha256) != GLINT_NONE;
     if (named)
         memcpy(sha256, asset.sha256, 65);
-    if (named && !there(p, sha256) && append(p, asset))
+    if (named && !there && append(p, asset))
         return true;
     free(bytes);
-    return named && there(p, sha256);
-}
-
-static void put(uint8_t *at, const void *from, size_t count, size_t size)
-{
-    if (from)
-        memcpy(at, from, count * size);
+    return there;
 }
 
 bool glint_pack_mesh(struct glint_packing *p, const struct glint_mesh *m, char sha256[65])
 {
-    const struct glint_mesh_layout at =
-        glint_mesh_layout(m->vertices, m->triangles, glint_mesh_attributes(m));
-    uint8_t *bytes = malloc(at.bytes);
+    const struct glint_mesh_layout layout = glint_mesh_layout(m, glint_mesh_attributes(m));
+    uint8_t *bytes = malloc(layout.bytes);
     if (!bytes)
         return false;
-    put(bytes, m->position, m->vertices, 3 * sizeof(float));
-    put(bytes + at.normal, m->normal, m->vertices, 3 * sizeof(float));
-    put(bytes + at.uv, m->uv, m->vertices, 2 * sizeof(float));
-    put(bytes + at.tangent, m->tangent, m->vertices, 4 * sizeof(float));
-    put(bytes + at.index, m->index, m->triangles, 3 * sizeof(uint32_t));
-    return keep(p, bytes, at.bytes, sha256);
+    for (size_t i = 0; i < GLINT_MESH_ARRAYS; i++)
+        if (layout.size[i])
+            memcpy(bytes + layout.at[i], glint_mesh_array(m, i), layout.size[i]);
+    return keep(p, bytes, layout.bytes, sha256);
 }
 
 bool glint_pack_image(struct glint_packing *p, const struct glint_image *image, char sha256[65])
@@ -91,4 +80,29 @@ bool glint_pack_image(struct glint_packing *p, const struct glint_image *image, 
         return false;
     memcpy(bytes, image->pixels, size);
     return keep(p, bytes, size, sha256);
+}
+
+static bool pack_floats(struct glint_packing *p, const float *first, size_t firsts,
+                        const float *second, size_t seconds, char sha256[65])
+{
+    const size_t size = (firsts + seconds) * sizeof(float);
+    uint8_t *bytes = malloc(size);
+    if (!bytes)
+        return false;
+    memcpy(bytes, first, firsts * sizeof(float));
+    if (seconds)
+        memcpy(bytes + firsts * sizeof(float), second, seconds * sizeof(float));
+    return keep(p, bytes, size, sha256);
+}
+
+bool glint_pack_skin(struct glint_packing *p, const struct glint_skin *skin, char sha256[65])
+{
+    return pack_floats(p, skin->inverse_bind, (size_t)skin->joints * 16, NULL, 0, sha256);
+}
+
+bool glint_pack_channel(struct glint_packing *p, const struct glint_animation_channel *channel,
+                        char sha256[65])
+{
+    return pack_floats(p, channel->time, channel->keys, channel->value,
+                       glint_channel_values(channel), sha256);
 }

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#define DEFAULT_YFOV 0.7f // radians, about 40 degrees
-
 struct box {
     double low[3], high[3];
     bool any;
@@ -31,32 +29,57 @@ static void mesh_box(const struct glint_mesh *m, float low[3], float high[3])
         }
 }
 
-static void include_corners(struct box *b, const float low[3], const float high[3],
-                            const float m[16])
+static void include_corners(struct box *b, const float bounds[6], const double m[16])
 {
     for (int corner = 0; corner < 8; corner++) {
         double world[3];
         for (int k = 0; k < 3; k++) {
             world[k] = m[12 + k];
             for (int i = 0; i < 3; i++)
-                world[k] += (double)m[4 * i + k] * (corner >> i & 1 ? high[i] : low[i]);
+                world[k] += m[4 * i + k] * bounds[corner >> i & 1 ? 3 + i : i];
         }
         include(b, world);
     }
 }
 
+// What all joints make of the box holds what any mixture of them makes of it.
+static void include_skinned(struct box *b, const float bounds[6], const struct glint_skin *skin,
+                            double (*node)[16], const float after[16])
+{
+    for (uint32_t j = 0; j < skin->joints; j++) {
+        double joint[16], world[16], wide[16];
+        for (int k = 0; k < 16; k++)
+            wide[k] = after[k];
+        glint_transform_product(joint, node[skin->joint[j]], skin->inverse_bind + 16 * (size_t)j);
+        glint_transform_chain(world, wide, joint);
+        include_corners(b, bounds, world);
+    }
+}
+
+static void include_instance(struct box *b, const struct glint_scene *s, double (*node)[16],
+                             const float bounds[6], const struct glint_instance *in)
+{
+    static const double none[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    double world[16];
+    if (in->skin != GLINT_NONE) {
+        include_skinned(b, bounds, &s->skin[in->skin], node, in->transform);
+        return;
+    }
+    glint_transform_product(world, in->node == GLINT_NONE ? none : node[in->node], in->transform);
+    include_corners(b, bounds, world);
+}
+
 static bool scene_box(const struct glint_scene *s, struct box *b, struct glint_arena *scratch)
 {
     float(*bounds)[6] = glint_arena_array(scratch, s->meshes, sizeof *bounds);
-    if (!bounds)
+    double(*node)[16] = glint_nodes_world(s, scratch);
+    if (!bounds || !node)
         return false;
     for (uint32_t i = 0; i < s->meshes; i++)
         mesh_box(&s->mesh[i], bounds[i], bounds[i] + 3);
-    for (uint32_t i = 0; i < s->instances; i++) {
-        const struct glint_instance *in = &s->instance[i];
-        if (in->visible)
-            include_corners(b, bounds[in->mesh], bounds[in->mesh] + 3, in->transform);
-    }
+    for (uint32_t i = 0; i < s->instances; i++)
+        if (s->instance[i].visible)
+            include_instance(b, s, node, bounds[s->instance[i].mesh], &s->instance[i]);
     return true;
 }
 
@@ -76,8 +99,7 @@ static void frame_box(struct glint_camera *c, const struct box *b)
         middle[k] = 0.5 * (b->low[k] + b->high[k]);
         radius = hypot(radius, 0.5 * (b->high[k] - b->low[k]));
     }
-    const double distance = (radius > 0 ? radius : 1) / sin(0.5 * DEFAULT_YFOV);
-    memcpy(c->transform, glint_identity, sizeof c->transform);
+    const double distance = (radius > 0 ? radius : 1) / sin(0.5 * GLINT_DEFAULT_YFOV);
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < 3; i++)
             c->transform[4 * i + k] = (float)axis[i][k];
@@ -95,9 +117,8 @@ static bool add_camera(struct glint_scene *s)
     glint_arena_finish(&scratch);
     if (!fine)
         return false;
-    c->id = glint_arena_string(&s->arena, "camera");
-    c->name = c->id;
-    c->yfov = DEFAULT_YFOV;
+    glint_camera_init(c);
+    c->id = c->name = glint_arena_string(&s->arena, "camera");
     frame_box(c, &b);
     if (!c->id)
         return false;
@@ -107,30 +128,44 @@ static bool add_camera(struct glint_scene *s)
     return true;
 }
 
-static bool emits(const struct glint_material *m)
+// The largest radiance that a visible surface gives off, without its texture.
+static float brightest(const struct glint_scene *s)
 {
-    return m->emission[0] > 0 || m->emission[1] > 0 || m->emission[2] > 0;
+    float most = 0;
+    for (uint32_t i = 0; i < s->instances; i++) {
+        const float *emission = s->material[s->instance[i].material].emission;
+        for (int k = 0; s->instance[i].visible && k < 3; k++)
+            most = fmaxf(most, emission[k]);
+    }
+    return most;
 }
 
-static bool has_emitter(const struct glint_scene *s)
+static void add_environment(struct glint_scene *s, const char *why)
 {
-    if (s->lights || s->has_environment)
-        return true;
-    for (uint32_t i = 0; i < s->instances; i++)
-        if (s->instance[i].visible && emits(&s->material[s->instance[i].material]))
-            return true;
-    return false;
+    s->has_environment = true;
+    s->environment = (struct glint_environment){{1, 1, 1}, GLINT_NONE, 0};
+    glint_scene_warn(s, "%s: a constant environment of radiance 1 was added", why);
 }
 
 glint_status glint_scene_complete(struct glint_scene *scene, struct glint_error *err)
 {
     if (!scene->cameras && !add_camera(scene))
         return glint_fail(err, GLINT_E_NOMEM, "/cameras", "no memory for a camera");
-    if (!has_emitter(scene)) {
-        scene->has_environment = true;
-        scene->environment = (struct glint_environment){{1, 1, 1}, GLINT_NONE, 0};
-        glint_scene_warn(scene, "nothing in the scene emits: a constant environment of radiance 1 "
-                                "was added");
-    }
+    if (!scene->lights && !scene->has_environment && !(brightest(scene) > 0))
+        add_environment(scene, "nothing in the scene emits");
     return GLINT_OK;
+}
+
+glint_status glint_scene_complete_file(struct glint_scene *scene, struct glint_error *err)
+{
+    const float most = brightest(scene);
+    if (!scene->lights && !scene->has_environment && most > 0) {
+        if (!scene->cameras)
+            add_environment(scene, "the file has neither lights nor cameras, and surfaces that "
+                                   "emit light nothing but themselves as a rule");
+        else if (most <= 1)
+            add_environment(scene, "the file has no lights, and surfaces that emit radiance of at "
+                                   "most 1 light nothing but themselves as a rule");
+    }
+    return glint_scene_complete(scene, err);
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #define UNIT_TOLERANCE 1e-5f // of a squared length; rounding a unit vector leaves 4e-7
+#define MIN_WEIGHT 1e-6      // of four together
 
 // Largest magnitude as bits: without their sign they order as the floats do, infinities and NaN
 // last, so one maximum finds what is too large and what is no number. Vectorises.
@@ -67,6 +68,85 @@ static bool handed(const struct glint_json *at, const struct glint_mesh *m)
             return glint_json_fault(at, "tangent %zu: its fourth number must be 1 or -1, not %g", i,
                                     m->tangent[4 * i + 3]);
     return true;
+}
+
+// ---- colours
+
+// Nothing reflects more than it receives: what is above 1 is cut, in a copy.
+static bool colors_fit(struct glint_scene_reader *r, const struct glint_json *at,
+                       struct glint_mesh *m)
+{
+    const size_t count = m->color ? (size_t)m->vertices * 4 : 0;
+    float least = 0, most = 0;
+    for (size_t i = 0; i < count; i++) {
+        least = m->color[i] < least ? m->color[i] : least;
+        most = m->color[i] > most ? m->color[i] : most;
+    }
+    if (least < 0) {
+        size_t i = 0;
+        while (m->color[i] >= 0)
+            i++;
+        return glint_json_fault(at, "color %zu has %g in it: negative", i / 4, m->color[i]);
+    }
+    if (most <= 1)
+        return true;
+    float *copy = glint_arena_array(&r->scene->arena, count, sizeof *copy);
+    if (!copy)
+        return glint_scene_no_memory(r);
+    for (size_t i = 0; i < count; i++)
+        copy[i] = fminf(m->color[i], 1);
+    m->color = copy;
+    return true;
+}
+
+// ---- joints
+
+static double weight_sum(const float w[4])
+{
+    return (double)w[0] + w[1] + w[2] + w[3];
+}
+
+static bool scale_weights(struct glint_scene_reader *r, struct glint_mesh *m)
+{
+    float *copy = glint_arena_array(&r->scene->arena, m->vertices, 4 * sizeof *copy);
+    if (!copy)
+        return glint_scene_no_memory(r);
+    for (size_t i = 0; i < (size_t)m->vertices * 4; i++)
+        copy[i] = (float)(m->weight[i] / weight_sum(m->weight + i / 4 * 4));
+    m->weight = copy;
+    return true;
+}
+
+static bool weights_fit(struct glint_scene_reader *r, const struct glint_json *at,
+                        struct glint_mesh *m)
+{
+    bool unit = true;
+    for (size_t i = 0; i < m->vertices; i++) {
+        const float *w = m->weight + 4 * i;
+        const double sum = weight_sum(w);
+        if (!(w[0] >= 0 && w[1] >= 0 && w[2] >= 0 && w[3] >= 0))
+            return glint_json_fault(at, "the weights of vertex %zu are %g %g %g %g: negative", i,
+                                    w[0], w[1], w[2], w[3]);
+        if (sum < MIN_WEIGHT)
+            return glint_json_fault(at, "the weights of vertex %zu are zero", i);
+        unit &= fabs(sum - 1) <= UNIT_TOLERANCE;
+    }
+    return unit || scale_weights(r, m);
+}
+
+static bool joints_fit(struct glint_scene_reader *r, const struct glint_json *at,
+                       struct glint_mesh *m)
+{
+    if (!m->joint && !m->weight)
+        return true;
+    if (!m->joint || !m->weight)
+        return glint_json_fault(at, "joints and weights go together; there are %s only",
+                                m->joint ? "joints" : "weights");
+    uint16_t most = 0;
+    for (size_t i = 0; i < (size_t)m->vertices * 4; i++)
+        most = m->joint[i] > most ? m->joint[i] : most;
+    m->joint_end = most + 1u;
+    return weights_fit(r, at, m);
 }
 
 // ---- normals
@@ -140,16 +220,31 @@ static bool normalise(struct glint_scene_reader *r, struct glint_mesh *m)
     return (copy && empty) || glint_scene_no_memory(r);
 }
 
-bool glint_mesh_check(struct glint_scene_reader *r, const struct glint_json *at,
-                      struct glint_mesh *mesh, float *reach)
+static bool targets_fit(const struct glint_json *at, struct glint_mesh *m)
 {
+    const size_t count = (size_t)m->targets * m->vertices;
     float unused;
-    bool fine = bounded(at, "position", mesh->position, 3, mesh->vertices, reach);
-    fine &= bounded(at, "normal", mesh->normal, 3, mesh->vertices, &unused);
-    fine &= bounded(at, "uv", mesh->uv, 2, mesh->vertices, &unused);
-    fine &= bounded(at, "tangent", mesh->tangent, 4, mesh->vertices, &unused) && handed(at, mesh);
-    fine &= indices_fit(at, mesh);
-    if (!fine || !mesh->normal || all_unit(mesh->normal, mesh->vertices))
+    bool fine = bounded(at, "target position", m->target_position, 3, count, &m->target_reach);
+    fine &= bounded(at, "target normal", m->target_normal, 3, count, &unused);
+    fine &= bounded(at, "target tangent", m->target_tangent, 3, count, &unused);
+    return fine;
+}
+
+bool glint_mesh_check(struct glint_scene_reader *r, const struct glint_json *at,
+                      struct glint_mesh *mesh)
+{
+    struct glint_mesh *m = mesh;
+    float unused;
+    bool fine = bounded(at, "position", m->position, 3, m->vertices, &m->reach);
+    fine &= bounded(at, "normal", m->normal, 3, m->vertices, &unused);
+    fine &= bounded(at, "uv", m->uv, 2, m->vertices, &unused);
+    fine &= bounded(at, "tangent", m->tangent, 4, m->vertices, &unused) && handed(at, m);
+    fine &= bounded(at, "second uv", m->uv1, 2, m->vertices, &unused);
+    fine &= bounded(at, "color", m->color, 4, m->vertices, &unused) && colors_fit(r, at, m);
+    fine &= bounded(at, "weight", m->weight, 4, m->vertices, &unused) && joints_fit(r, at, m);
+    fine &= targets_fit(at, m);
+    fine &= indices_fit(at, m);
+    if (!fine || !m->normal || all_unit(m->normal, m->vertices))
         return fine;
-    return normalise(r, mesh);
+    return normalise(r, m);
 }

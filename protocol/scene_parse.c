@@ -20,22 +20,13 @@ bool glint_scene_no_memory(struct glint_scene_reader *r)
 
 // ---- assets
 
-static int by_hash(const void *a, const void *b)
+static bool index_assets(struct glint_scene_reader *r, const struct glint_asset *asset,
+                         size_t assets)
 {
-    return strcmp((*(const struct glint_asset *const *)a)->sha256,
-                  (*(const struct glint_asset *const *)b)->sha256);
-}
-
-static bool sort_assets(struct glint_scene_reader *r, const struct glint_asset *asset,
-                        size_t assets)
-{
-    r->asset = glint_arena_array(&r->scratch, assets, sizeof *r->asset);
-    if (!r->asset)
-        return glint_scene_no_memory(r);
+    r->asset = asset;
     for (size_t i = 0; i < assets; i++)
-        r->asset[i] = &asset[i];
-    r->assets = assets;
-    qsort(r->asset, assets, sizeof *r->asset, by_hash);
+        if (!glint_hashes_add(&r->assets, asset[i].sha256, (uint32_t)i))
+            return glint_scene_no_memory(r);
     return true;
 }
 
@@ -46,12 +37,8 @@ static bool is_hash(const char *text)
 
 static const struct glint_asset *find_asset(const struct glint_scene_reader *r, const char *hash)
 {
-    struct glint_asset key;
-    memcpy(key.sha256, hash, sizeof key.sha256);
-    const struct glint_asset *wanted = &key;
-    const struct glint_asset *const *found =
-        bsearch(&wanted, r->asset, r->assets, sizeof *r->asset, by_hash);
-    return found ? *found : NULL;
+    const uint32_t i = glint_hashes_find(&r->assets, hash);
+    return i != GLINT_NONE && strcmp(r->asset[i].sha256, hash) == 0 ? &r->asset[i] : NULL;
 }
 
 static const void *aligned(struct glint_scene_reader *r, const struct glint_asset *asset)
@@ -104,75 +91,62 @@ uint32_t glint_scene_reference(const struct glint_json *at, const struct glint_i
     return index;
 }
 
-typedef void read_item(struct glint_scene_reader *r, const struct glint_json *at, void *out);
-
-struct collection {
-    const char *name;
-    size_t item_bytes; // each item begins with its id
-    read_item *read;
-};
-
 static bool check_id(const struct glint_json *at)
 {
     return at->key[0] || glint_json_fault(at, "an id must not be empty");
 }
 
-// Allocates `extra` more items than the document has. *count grows with each that was read.
-static void *read_collection(struct glint_scene_reader *r, const struct glint_json *root,
-                             const struct collection *c, uint32_t extra, uint32_t *count)
+void *glint_collection_read(struct glint_scene_reader *r, const struct glint_json *at,
+                            size_t item_bytes, glint_read_item *read, uint32_t extra,
+                            uint32_t *count)
 {
-    const struct glint_json at = glint_json_member(root, c->name);
     *count = 0;
-    if (at.value && !cJSON_IsObject(at.value)) {
-        glint_json_fault(&at, "an object keyed by ids is expected");
+    if (at->value && !cJSON_IsObject(at->value)) {
+        glint_json_fault(at, "an object keyed by ids is expected");
         return NULL;
     }
     size_t n = 0;
-    for (const cJSON *m = at.value ? at.value->child : NULL; m; m = m->next)
+    for (const cJSON *m = at->value ? at->value->child : NULL; m; m = m->next)
         n++;
-    char *items = glint_arena_array(&r->scene->arena, n + extra, c->item_bytes);
+    char *items = glint_arena_array(&r->scene->arena, n + extra, item_bytes);
     if (!items) {
         glint_scene_no_memory(r);
         return NULL;
     }
-    for (const cJSON *m = at.value ? at.value->child : NULL; m; m = m->next, ++*count) {
-        const struct glint_json item = glint_json_item(&at, m, 0);
-        void *out = items + *count * c->item_bytes;
+    for (const cJSON *m = at->value ? at->value->child : NULL; m; m = m->next, ++*count) {
+        const struct glint_json item = glint_json_item(at, m, 0);
+        void *out = items + *count * item_bytes;
         char *id = glint_arena_string(&r->scene->arena, m->string);
         if (!id)
             glint_scene_no_memory(r);
         memcpy(out, &id, sizeof id);
         if (id && check_id(&item))
-            c->read(r, &item, out);
+            read(r, &item, out);
     }
     return items;
 }
 
 // ---- one reader for each collection
 
-static void read_image(struct glint_scene_reader *r, const struct glint_json *at, void *out)
-{
-    glint_image_read(r, at, out);
-}
-
-static void read_material(struct glint_scene_reader *r, const struct glint_json *at, void *out)
-{
-    glint_material_read(r, at, out);
-}
-
-static void read_mesh(struct glint_scene_reader *r, const struct glint_json *at, void *out)
-{
-    glint_mesh_read(r, at, out, &r->reach[r->scene->meshes]); // read so far
-}
-
-static void read_light(struct glint_scene_reader *r, const struct glint_json *at, void *out)
-{
-    glint_light_read(r, at, out);
-}
+#define READER(ITEM)                                                                              \
+    static void read_##ITEM(struct glint_scene_reader *r, const struct glint_json *at, void *out) \
+    {                                                                                             \
+        glint_##ITEM##_read(r, at, out);                                                          \
+    }
+READER(image)
+READER(material)
+READER(mesh)
+READER(node)
+READER(skin)
+READER(instance)
+READER(animation)
+READER(light)
+READER(medium)
 
 static void read_camera(struct glint_scene_reader *r, const struct glint_json *at, void *out)
 {
-    glint_camera_read(at, ((struct glint_camera *)out)->id, &r->scene->arena, out);
+    const char *id = ((struct glint_camera *)out)->id;
+    glint_camera_read(at, id, &r->nodes, &r->scene->arena, out);
 }
 
 static void read_object(struct glint_scene_reader *r, const struct glint_json *at, void *out)
@@ -185,46 +159,6 @@ static void read_object(struct glint_scene_reader *r, const struct glint_json *a
         glint_scene_no_memory(r);
 }
 
-// The object that the instance names, one with the instance's id, or a new one of that id.
-static uint32_t object_of(struct glint_scene_reader *r, const struct glint_json *at,
-                          const struct glint_instance *in)
-{
-    const struct glint_json named = glint_json_member(at, "object");
-    if (named.value)
-        return glint_scene_reference(&named, &r->objects, "object");
-    const uint32_t same = glint_ids_find(&r->objects, in->id);
-    if (same != GLINT_NONE)
-        return same;
-    struct glint_object *o = &r->scene->object[r->scene->objects];
-    *o = (struct glint_object){in->id, in->id, glint_arena_string(&r->scene->arena, "")};
-    if (!o->asset)
-        glint_scene_no_memory(r);
-    return r->scene->objects++;
-}
-
-static void read_instance(struct glint_scene_reader *r, const struct glint_json *at, void *out)
-{
-    struct glint_instance *in = out;
-    const struct glint_json mesh = glint_json_member(at, "mesh");
-    const struct glint_json material = glint_json_member(at, "material");
-    const struct glint_json transform = glint_json_member(at, "transform");
-    in->visible = true;
-    in->mesh = in->material = GLINT_NONE;
-    memcpy(in->transform, glint_identity, sizeof in->transform);
-    glint_fields_read(at, glint_instance_fields, &r->scene->arena, in);
-    if (glint_json_require(&mesh))
-        in->mesh = glint_scene_reference(&mesh, &r->meshes, "mesh");
-    if (glint_json_require(&material))
-        in->material = glint_scene_reference(&material, &r->materials, "material");
-    in->object = object_of(r, at, in);
-    if (!glint_transform_read(&transform, in->transform) || in->mesh >= r->scene->meshes)
-        return;
-    const double reach = glint_transform_reach(in->transform, r->reach[in->mesh]);
-    if (reach > GLINT_MAX_COORDINATE)
-        glint_json_fault(at, "the instance reaches to %g metres; the limit is %g", reach,
-                         GLINT_MAX_COORDINATE);
-}
-
 // ---- the whole
 
 static bool index_ids(struct glint_scene_reader *r, const struct glint_json *root)
@@ -232,18 +166,15 @@ static bool index_ids(struct glint_scene_reader *r, const struct glint_json *roo
     const struct {
         const char *name;
         struct glint_ids *ids;
-    } all[] = {{"images", &r->images},
-               {"materials", &r->materials},
-               {"meshes", &r->meshes},
-               {"objects", &r->objects}};
+    } all[] = {{"images", &r->images},   {"materials", &r->materials}, {"meshes", &r->meshes},
+               {"objects", &r->objects}, {"nodes", &r->nodes},         {"skins", &r->skins}};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         const struct glint_json at = glint_json_member(root, all[i].name);
         const cJSON *collection = cJSON_IsObject(at.value) ? at.value : NULL;
         if (!glint_ids_index(all[i].ids, collection, &r->scratch))
             return glint_scene_no_memory(r);
     }
-    r->reach = glint_arena_array(&r->scratch, r->meshes.count, sizeof *r->reach);
-    return r->reach || glint_scene_no_memory(r);
+    return true;
 }
 
 static uint32_t members(const struct glint_json *root, const char *name)
@@ -252,29 +183,61 @@ static uint32_t members(const struct glint_json *root, const char *name)
     return cJSON_IsObject(at.value) ? (uint32_t)cJSON_GetArraySize(at.value) : 0;
 }
 
-#define COLLECTION(NAME, ITEM) \
-    (&(const struct collection){NAME, sizeof(struct glint_##ITEM), read_##ITEM})
+static void check_parents(struct glint_scene_reader *r, const struct glint_json *root)
+{
+    const struct glint_json nodes = glint_json_member(root, "nodes");
+    struct glint_node_order all;
+    if (!glint_nodes_order(r->scene, &r->scratch, &all)) {
+        glint_scene_no_memory(r);
+        return;
+    }
+    for (uint32_t i = 0; i < all.loops; i++) {
+        const struct glint_json node = glint_json_member(&nodes, r->scene->node[all.loop[i]].id);
+        const struct glint_json parent = glint_json_member(&node, "parent");
+        glint_json_fault(&parent, "the node is above itself: its parents lead back to it");
+    }
+}
+
+// The items of a collection of the scene, into its array and count.
+#define READ(MEMBER, COUNT, ITEM, EXTRA)                                                       \
+    do {                                                                                       \
+        const struct glint_json list = glint_json_member(root, #COUNT);                        \
+        s->MEMBER =                                                                            \
+            glint_collection_read(r, &list, sizeof *s->MEMBER, read_##ITEM, EXTRA, &s->COUNT); \
+    } while (0)
+
+static void read_things(struct glint_scene_reader *r, const struct glint_json *root)
+{
+    struct glint_scene *s = r->scene;
+    READ(image, images, image, 0);
+    READ(material, materials, material, 0);
+    READ(mesh, meshes, mesh, 0);
+    READ(object, objects, object, members(root, "instances"));
+    READ(node, nodes, node, 0);
+    if (s->node)
+        check_parents(r, root);
+    READ(skin, skins, skin, 0);
+    READ(light, lights, light, 0);
+    READ(camera, cameras, camera, 0);
+    READ(medium, media, medium, 0);
+    if (s->object) // new objects have room there
+        READ(instance, instances, instance, 0);
+    if (s->node && s->mesh && glint_animations_prepare(r))
+        READ(animation, animations, animation, 0);
+}
 
 static void read_all(struct glint_scene_reader *r, const struct glint_json *root)
 {
-    static const char *const known[] = {"images",  "materials",   "meshes",
-                                        "objects", "instances",   "lights",
-                                        "cameras", "environment", NULL};
     struct glint_scene *s = r->scene;
     const struct glint_json environment = glint_json_member(root, "environment");
-    glint_json_only(root, known);
-    s->image = read_collection(r, root, COLLECTION("images", image), 0, &s->images);
-    s->material = read_collection(r, root, COLLECTION("materials", material), 0, &s->materials);
-    s->mesh = read_collection(r, root, COLLECTION("meshes", mesh), 0, &s->meshes);
-    s->object = read_collection(r, root, COLLECTION("objects", object), members(root, "instances"),
-                                &s->objects);
-    s->light = read_collection(r, root, COLLECTION("lights", light), 0, &s->lights);
-    s->camera = read_collection(r, root, COLLECTION("cameras", camera), 0, &s->cameras);
-    if (s->object) // new objects have room there
-        s->instance = read_collection(r, root, COLLECTION("instances", instance), 0, &s->instances);
+    s->fps = GLINT_DEFAULT_FPS;
+    glint_fields_read(root, glint_scene_fields, &s->arena, s);
+    read_things(r, root);
     s->has_environment = environment.value != NULL;
     if (environment.value)
         glint_environment_read(r, &environment, &s->environment);
+    if (!r->err->status)
+        glint_scene_check_reach(r, root);
 }
 
 static glint_status finish(struct glint_scene *scene, const struct glint_error *faults,
@@ -291,22 +254,24 @@ static glint_status finish(struct glint_scene *scene, const struct glint_error *
 
 static glint_status read_tree(struct glint_scene *scene, const cJSON *tree,
                               const struct glint_asset *asset, size_t assets,
-                              struct glint_error *err)
+                              const struct glint_scene *checked, struct glint_error *err)
 {
     struct glint_error faults = {0}; // of this parse alone, whatever `err` holds already
-    struct glint_scene_reader r = {.scene = scene, .err = &faults};
+    struct glint_scene_reader r = {.scene = scene, .err = &faults, .trust.scene = checked};
     const struct glint_json root = glint_json_root(tree, &faults);
-    if (sort_assets(&r, asset, assets) && index_ids(&r, &root))
+    if (index_assets(&r, asset, assets) && index_ids(&r, &root))
         read_all(&r, &root);
     glint_arena_finish(&r.scratch);
+    glint_hashes_finish(&r.assets);
+    glint_trust_finish(&r.trust);
     const glint_status status = finish(scene, &faults, err);
     glint_error_finish(&faults);
     return status;
 }
 
-glint_status glint_scene_parse(struct glint_scene **out, const char *text, size_t length,
-                               const struct glint_asset *asset, size_t assets,
-                               struct glint_error *err)
+glint_status glint_scene_parse_from(struct glint_scene **out, const char *text, size_t length,
+                                    const struct glint_asset *asset, size_t assets,
+                                    const struct glint_scene *checked, struct glint_error *err)
 {
     assert(out && text);
     *out = NULL;
@@ -315,11 +280,18 @@ glint_status glint_scene_parse(struct glint_scene **out, const char *text, size_
     if (status)
         return status;
     struct glint_scene *scene = calloc(1, sizeof *scene);
-    status = scene ? read_tree(scene, tree, asset, assets, err)
+    status = scene ? read_tree(scene, tree, asset, assets, checked, err)
                    : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a scene");
     cJSON_Delete(tree);
     if (status)
         glint_scene_destroy(&scene);
     *out = scene;
     return status;
+}
+
+glint_status glint_scene_parse(struct glint_scene **out, const char *text, size_t length,
+                               const struct glint_asset *asset, size_t assets,
+                               struct glint_error *err)
+{
+    return glint_scene_parse_from(out, text, length, asset, assets, NULL, err);
 }

@@ -627,7 +627,7 @@ static void assert_same_material(const struct glint_material *a, const struct gl
     assert_true(a->thin == b->thin && a->double_sided == b->double_sided);
     SAME(a, b, emission);
     SAME(a, b, normal_scale);
-    for (size_t i = 0; i < 4; i++)
+    for (size_t i = 0; i < GLINT_TEXTURE_SLOTS; i++)
         assert_memory_equal(glint_texture_of(&x, i), glint_texture_of(&y, i),
                             sizeof(struct glint_texture));
 }
@@ -736,10 +736,11 @@ static void a_million_triangles_in_an_asset_parse_without_being_copied(void **st
 {
     (void)state;
     const uint32_t w = 1001, h = 501, vertices = w * h, triangles = 2 * (w - 1) * (h - 1);
-    const struct glint_mesh_layout at = glint_mesh_layout(vertices, triangles, GLINT_MESH_NORMAL);
+    const struct glint_mesh shape = {.vertices = vertices, .triangles = triangles};
+    const struct glint_mesh_layout at = glint_mesh_layout(&shape, GLINT_MESH_NORMAL);
     uint8_t *bytes = calloc(1, at.bytes);
-    float *normal = (float *)(bytes + at.normal);
-    uint32_t *index = (uint32_t *)(bytes + at.index);
+    float *normal = (float *)(bytes + at.at[1]);
+    uint32_t *index = (uint32_t *)(bytes + at.at[GLINT_MESH_ARRAYS - 1]);
     for (uint32_t i = 0; i < vertices; i++)
         normal[3 * i + i % 3] = 1;
     for (uint32_t i = 0; i < 3 * triangles; i++)
