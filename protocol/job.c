@@ -17,6 +17,7 @@ static const struct {
     {GLINT_OUT_ALBEDO, "albedo"},
     {GLINT_OUT_SAMPLES, "samples"},
     {GLINT_OUT_VARIANCE, "variance"},
+    {GLINT_OUT_MOTION, "motion"},
 };
 
 static const char *const filters[] = {"box", "blackman_harris", NULL};
@@ -33,8 +34,11 @@ const struct glint_field glint_job_fields[] = {
     GLINT_FIELD_KNOWN("mattes"),
     GLINT_FIELD_KNOWN("filter"),
     GLINT_FIELD_KNOWN("stop"),
-    GLINT_FIELD_KNOWN("live"),
     GLINT_FIELD(UINT, struct glint_job, frame, .high = UINT32_MAX),
+    GLINT_FIELD(FLOAT, struct glint_job, fps, .high = 1000),
+    GLINT_FIELD(FLOAT, struct glint_job, shutter, .count = 2, .low = -16, .high = 16),
+    GLINT_FIELD(STRING, struct glint_job, animation),
+    GLINT_FIELD(BOOL, struct glint_job, live),
     GLINT_FIELD(UINT, struct glint_job, max_bounces, .high = 1024),
     GLINT_FIELD(UINT, struct glint_job, seed, .high = UINT32_MAX),
     GLINT_FIELD(INT, struct glint_job, priority, .low = -100, .high = 100),

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #define MAX_KNOWN 16
+#define MIN_FPS 0.01f
 
 static void set_defaults(struct glint_job *job)
 {
@@ -186,12 +187,25 @@ static void read_stop(const struct glint_json *at, struct glint_job *job)
     glint_fields_read(at, glint_stop_fields, &job->arena, &job->stop);
 }
 
-static void refuse_live(const struct glint_json *at)
+// Frames a second: the scene's where it is 0, else as in a scene.
+static void check_time(const struct glint_json *root, const struct glint_job *job)
 {
-    bool live = false;
-    glint_json_bool(at, &live);
-    if (live)
-        glint_json_fault(at, "live jobs do not exist here; there is: false");
+    const struct glint_json fps = glint_json_member(root, "fps");
+    const struct glint_json shutter = glint_json_member(root, "shutter");
+    if (job->fps > 0 && job->fps < MIN_FPS)
+        glint_json_fault(&fps, "%g is neither 0, the scene's, nor at least %g", job->fps, MIN_FPS);
+    if (job->shutter[0] > job->shutter[1])
+        glint_json_fault(&shutter, "it opens at %g, after it closes at %g", job->shutter[0],
+                         job->shutter[1]);
+}
+
+// Each edit starts the frame of a live job anew: its error has no history to stop by.
+static void check_live(const struct glint_json *root, const struct glint_job *job)
+{
+    const struct glint_json stop = glint_json_member(root, "stop");
+    const struct glint_json error = glint_json_member(&stop, "error");
+    if (job->live && job->stop.error > 0)
+        glint_json_fault(&error, "a live job stops by samples or seconds, not by its error");
 }
 
 static void read_members(const struct glint_json *root, struct glint_job *job)
@@ -204,15 +218,15 @@ static void read_members(const struct glint_json *root, struct glint_job *job)
                  {"accuracy", read_accuracy}, {"mattes", read_mattes},
                  {"filter", read_filter},     {"stop", read_stop}};
     const struct glint_json scene = glint_json_member(root, "scene");
-    const struct glint_json live = glint_json_member(root, "live");
     glint_fields_read(root, glint_job_fields, &job->arena, job);
     glint_json_require(&scene);
     check_scene_name(&scene, job->scene);
-    refuse_live(&live);
+    check_time(root, job);
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
         const struct glint_json at = glint_json_member(root, parts[i].name);
         parts[i].read(&at, job);
     }
+    check_live(root, job);
     if (!job->name)
         job->name = glint_arena_string(&job->arena, "");
     if (!job->name)

@@ -92,9 +92,8 @@ static void three_faults_are_one_error_that_names_all_three(void **state)
 static void unknown_members_are_faults_that_say_what_exists(void **state)
 {
     (void)state;
-    refuse("{'scene':'a','surfels':{'count':1},'poisson':{},'layers':{},'split':{},'shutter':[0,0."
-           "5],'smaples':1}",
-           "/surfels=max_bounces|/poisson|/layers|/split|/shutter|/smaples");
+    refuse("{'scene':'a','surfels':{'count':1},'poisson':{},'layers':{},'split':{},'smaples':1}",
+           "/surfels=max_bounces|/poisson|/layers|/split|/smaples");
     refuse("{'scene':'a','accuracy':{'through':'none','speed':1},'mattes':{'gi':'path','alpha':0.1,"
            "'classes':false},"
            "'filter':{'radius':1},'stop':{'sample':1},'camera':{'yfov':1,'fov':1}}",
@@ -107,14 +106,47 @@ static void settings_of_methods_that_do_not_exist_are_faults(void **state)
 {
     (void)state;
     refuse(
-        "{'scene':'a','live':true,'outputs':['beauty','motion','gi'],"
+        "{'scene':'a','outputs':['beauty','gi'],"
         "'accuracy':{'preset':'preview','gi':'surfel','transparency':'layered','primary':'split'},"
         "'mattes':{'through':'glossy','eviction':'uss'}}",
-        "/live|/outputs/1=crypto_asset|/outputs/2|/accuracy/preset=production, reference|"
+        "/outputs/1=crypto_asset|/accuracy/preset=production, reference|"
         "/accuracy/gi=path, none|/accuracy/transparency=traced|/accuracy/primary=full|"
         "/mattes/through=none|/mattes/eviction=drop, direct_first");
-    struct glint_job *j = parse("{'scene':'a','live':false}");
+}
+
+static void a_live_job_stops_by_samples_or_seconds(void **state)
+{
+    (void)state;
+    struct glint_job *j = parse("{'scene':'a','live':true,'stop':{'samples':9,'seconds':2}}");
+    assert_true(j->live);
     glint_job_destroy(&j);
+    j = parse("{'scene':'a','live':false,'stop':{'error':0.1}}");
+    assert_false(j->live);
+    glint_job_destroy(&j);
+    refuse("{'scene':'a','live':true,'stop':{'error':0.1}}", "/stop/error=live");
+    refuse("{'scene':'a','live':1}", "/live=boolean");
+}
+
+static void time_is_frames_and_the_part_of_them_that_the_shutter_is_open(void **state)
+{
+    (void)state;
+    struct glint_job *j = parse("{'scene':'a'}");
+    assert_true(j->fps == 0 && j->shutter[0] == 0 && j->shutter[1] == 0 && !j->animation);
+    glint_job_destroy(&j);
+    j = parse("{'scene':'a','frame':7,'fps':30,'shutter':[-0.25,0.5],'animation':'walk','outputs':"
+              "['motion']}");
+    assert_true(j->frame == 7 && j->fps == 30 && j->shutter[0] == -0.25f && j->shutter[1] == 0.5f);
+    assert_string_equal(j->animation, "walk");
+    assert_int_equal(j->outputs, GLINT_OUT_MOTION);
+    glint_job_destroy(&j);
+    j = parse("{'scene':'a','fps':0.01,'shutter':[2,2]}");
+    assert_true(j->fps == 0.01f && j->shutter[0] == 2);
+    glint_job_destroy(&j);
+    refuse("{'scene':'a','fps':0.005,'shutter':[0.5,0.25],'animation':4}",
+           "/fps=neither|/shutter=opens at 0.5|/animation=string");
+    refuse("{'scene':'a','fps':-1,'shutter':[-17,16.5]}", "/fps|/shutter/0|/shutter/1");
+    refuse("{'scene':'a','fps':1001,'shutter':0.5}", "/fps|/shutter=array");
+    refuse("{'scene':'a','shutter':[0]}", "/shutter=2 numbers");
 }
 
 static void a_preset_sets_the_dials_and_explicit_ones_override_it(void **state)
@@ -194,6 +226,15 @@ static void a_camera_is_a_name_or_an_object(void **state)
     glint_job_destroy(&j);
     refuse("{'scene':'a','camera':7}", "/camera");
     refuse("{'scene':'a','camera':{}}", "/camera/yfov=required");
+    j = parse("{'scene':'a','camera':{'projection':'orthographic','ymag':2.5}}");
+    assert_true(j->camera.projection == GLINT_ORTHOGRAPHIC && j->camera.ymag == 2.5f);
+    assert_int_equal(j->camera.node, GLINT_NONE);
+    glint_job_destroy(&j);
+    refuse("{'scene':'a','camera':{'projection':'orthographic','yfov':1,'ymag':0}}",
+           "/camera/ymag");
+    refuse("{'scene':'a','camera':{'projection':'orthographic'}}", "/camera/ymag=required");
+    refuse("{'scene':'a','camera':{'projection':'fisheye','yfov':1,'node':'n'}}",
+           "/camera/projection=orthographic|/camera/node=world");
 }
 
 static void names_and_numbers_have_their_limits(void **state)
@@ -218,8 +259,8 @@ static void outputs_have_names_both_ways(void **state)
             assert_int_equal(glint_output_from_name(glint_output_name(1u << bit)), 1u << bit);
             all |= 1u << bit;
         }
-    assert_int_equal(all, (GLINT_OUT_VARIANCE << 1) - 1);
-    assert_int_equal(glint_output_from_name("motion"), 0);
+    assert_int_equal(all, (GLINT_OUT_MOTION << 1) - 1);
+    assert_int_equal(glint_output_from_name("gi"), 0);
     assert_null(glint_output_name(3));
 }
 
@@ -234,6 +275,12 @@ static void assert_same(const struct glint_job *a, const struct glint_job *b)
     assert_memory_equal(a->camera.transform, b->camera.transform, sizeof a->camera.transform);
     assert_true(a->camera.yfov == b->camera.yfov && a->camera.lens_radius == b->camera.lens_radius);
     assert_true(a->camera.focus_distance == b->camera.focus_distance);
+    assert_true(a->camera.projection == b->camera.projection && a->camera.ymag == b->camera.ymag);
+    assert_true(a->fps == b->fps && a->live == b->live);
+    assert_memory_equal(a->shutter, b->shutter, sizeof a->shutter);
+    assert_int_equal(!a->animation, !b->animation);
+    if (a->animation)
+        assert_string_equal(a->animation, b->animation);
     assert_true(a->width == b->width && a->height == b->height && a->outputs == b->outputs);
     assert_memory_equal(a->region, b->region, sizeof a->region);
     assert_memory_equal(a->dial, b->dial, sizeof a->dial);
@@ -258,8 +305,11 @@ static void parsing_what_was_written_gives_an_equal_job(void **state)
     static const char own_camera[] =
         "{'scene':'a','camera':{'name':'c','yfov':0.7,'lens_radius':0.1,'focus_distance':3,"
         "'transform':{'rotation':[0.1,0.2,0.3,0.9],'translation':[0.1,0.2,0.3]}}}";
+    static const char moving[] =
+        "{'scene':'a','frame':3,'fps':23.976,'shutter':[-0.1,0.4],'animation':'none','live':true,"
+        "'outputs':['motion','beauty'],'camera':{'projection':'orthographic','ymag':0.3}}";
     static const char *const jobs[] = {"{'scene':'a'}", "{'scene':'a','stop':{}}", named_camera,
-                                       own_camera};
+                                       own_camera, moving};
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
         struct glint_job *a = parse(jobs[i]), *b;
         char *text = glint_job_write(a);
@@ -284,12 +334,13 @@ static void defaults_that_are_spelled_out_give_an_equal_job(void **state)
     char *text = glint_job_write(a);
     assert_string_equal(
         text,
-        "{\"scene\":\"a\",\"name\":\"\",\"frame\":0,\"max_bounces\":8,\"seed\":0,\"priority\":0,"
+        "{\"scene\":\"a\",\"name\":\"\",\"frame\":0,\"fps\":0,\"shutter\":[0,0],"
+        "\"live\":false,\"max_bounces\":8,\"seed\":0,\"priority\":0,"
         "\"resolution\":[1280,720],\"region\":[0,0,1280,720],"
         "\"outputs\":[\"beauty\",\"crypto_object\",\"crypto_material\",\"crypto_asset\"],"
         "\"accuracy\":{\"gi\":\"path\",\"transparency\":\"traced\",\"primary\":\"full\","
         "\"precision\":\"float32\",\"traversal\":\"fast\",\"roulette\":\"throughput\",\"lights\":"
-        "\"power\",\"microfacet\":\"single\"},"
+        "\"spatial\",\"microfacet\":\"single\"},"
         "\"mattes\":{\"slots\":12,\"levels\":6,\"through\":\"none\",\"eviction\":\"drop\"},"
         "\"filter\":{\"kind\":\"blackman_harris\",\"width\":1.5},\"stop\":{\"samples\":256}}");
     free(text);
@@ -303,6 +354,8 @@ int main(void)
         cmocka_unit_test(three_faults_are_one_error_that_names_all_three),
         cmocka_unit_test(unknown_members_are_faults_that_say_what_exists),
         cmocka_unit_test(settings_of_methods_that_do_not_exist_are_faults),
+        cmocka_unit_test(a_live_job_stops_by_samples_or_seconds),
+        cmocka_unit_test(time_is_frames_and_the_part_of_them_that_the_shutter_is_open),
         cmocka_unit_test(a_preset_sets_the_dials_and_explicit_ones_override_it),
         cmocka_unit_test(a_stop_without_samples_imposes_none),
         cmocka_unit_test(the_region_lies_inside_the_resolution),
