@@ -38,6 +38,7 @@ UNIT_TESTS = \
 	tests/unit/test_import_gltf \
 	tests/unit/test_import_gltf_materials \
 	tests/unit/test_import_gltf_scene \
+	tests/unit/test_import_gltf_time \
 	tests/unit/test_job \
 	tests/unit/test_jobs \
 	tests/unit/test_json \
@@ -62,6 +63,7 @@ STABILITY_TESTS = \
 	tests/stability/test_film \
 	tests/stability/test_geometry \
 	tests/stability/test_light \
+	tests/stability/test_media \
 	tests/stability/test_rays \
 	tests/stability/test_texture
 check_PROGRAMS += $(UNIT_TESTS) $(STABILITY_TESTS)
@@ -87,6 +89,7 @@ tests_stability_test_environment_SOURCES = tests/stability/test_environment.c $(
 tests_stability_test_film_SOURCES = tests/stability/test_film.c $(stable)
 tests_stability_test_geometry_SOURCES = tests/stability/test_geometry.c $(stable)
 tests_stability_test_light_SOURCES = tests/stability/test_light.c $(stable)
+tests_stability_test_media_SOURCES = tests/stability/test_media.c $(stable)
 tests_stability_test_rays_SOURCES = tests/stability/test_rays.c $(stable)
 tests_stability_test_texture_SOURCES = tests/stability/test_texture.c $(stable)
 
@@ -110,6 +113,8 @@ tests_unit_test_import_gltf_SOURCES = tests/unit/test_import_gltf.c $(gltf_expec
 tests_unit_test_import_gltf_materials_SOURCES = tests/unit/test_import_gltf_materials.c \
 	$(gltf_expect)
 tests_unit_test_import_gltf_scene_SOURCES = tests/unit/test_import_gltf_scene.c $(gltf_expect)
+tests_unit_test_import_gltf_time_SOURCES = tests/unit/test_import_gltf_time.c \
+	tests/unit/gltf_moving.c tests/unit/gltf_moving.h $(gltf_expect)
 tests_unit_test_jobs_SOURCES = tests/unit/test_jobs.c $(jobs_fixture)
 tests_unit_test_scheduler_SOURCES = tests/unit/test_scheduler.c $(jobs_fixture)
 tests_unit_test_store_SOURCES = tests/unit/test_store.c tests/unit/fake_scene.c \

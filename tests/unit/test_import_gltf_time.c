@@ -1,0 +1,593 @@
+#include "tests/unit/gltf_expect.h"
+#include "tests/unit/gltf_moving.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SQUARE "'meshes':[{'name':'square','primitives':[{" GLB_QUAD_PRIMITIVE "}]}]"
+#define UNIT 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1
+
+static const float identity[16] = {UNIT};
+
+// --- frames
+
+// rig (moved) / arm (animated) / hand, with a square on each, and one beside them.
+static void what_moves_keeps_its_frame_and_all_else_is_baked(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_moving(
+        SQUARE ",'scenes':[{'nodes':[0,3]}],'nodes':["
+               "{'name':'rig','translation':[0,0,5],'children':[1],'mesh':0},"
+               "{'name':'arm','translation':[1,0,0],'scale':[2,2,2],'children':[2],'mesh':0},"
+               "{'matrix':[1,0,0,0,0,1,0,0,0,0,1,0,7,0,0,1],'mesh':0},"
+               "{'name':'still','translation':[3,0,0],'mesh':0}],"
+               "'animations':[{'name':'wave','channels':[{'sampler':0,'target':{'node':1,'path':"
+               "'rotation'}}],'samplers':[{'input':4,'output':6}]}]");
+    assert_int_equal(s->nodes, 3);
+    const struct glint_node *n = s->node;
+    assert_string_equal(n[0].id, "rig");
+    assert_string_equal(n[1].name, "arm");
+    assert_string_equal(n[2].id, "node_2");
+    assert_true(n[0].parent == GLINT_NONE && n[1].parent == 0 && n[2].parent == 1);
+    assert_true(n[0].translation[2] == 5 && !n[0].matrix && n[2].matrix);
+    static const float arm[16] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 1, 0, 0, 1};
+    gltf_floats_equal(n[1].transform, arm, 16, 0);
+    assert_true(n[2].transform[12] == 7);
+    assert_int_equal(s->instances, 4);
+    const struct glint_instance *in = s->instance;
+    assert_true(in[0].node == GLINT_NONE && in[0].transform[14] == 5); // above what moves
+    assert_true(in[1].node == 1 && in[2].node == 2 && in[3].node == GLINT_NONE);
+    gltf_floats_equal(in[1].transform, identity, 16, 0);
+    gltf_floats_equal(in[2].transform, identity, 16, 0);
+    assert_true(in[3].transform[12] == 3);
+    assert_true(s->fps == 24);
+    assert_int_equal(s->warnings, 0);
+    glint_scene_destroy(&s);
+}
+
+static void without_animation_there_are_no_nodes(void **state)
+{
+    (void)state;
+    struct glint_scene *s =
+        gltf_moving(SQUARE ",'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0,'translation':[1,2,3]}]");
+    assert_int_equal(s->nodes, 0);
+    assert_true(s->instance[0].node == GLINT_NONE && s->instance[0].skin == GLINT_NONE);
+    glint_scene_destroy(&s);
+}
+
+static void lights_and_cameras_ride_on_what_moves(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_moving(
+        "'cameras':[{'type':'perspective','perspective':{'yfov':1}}],'extensions':{"
+        "'KHR_lights_punctual':{'lights':[{'type':'point'}]}},'scenes':[{'nodes':[0,3]}],'nodes':["
+        "{'children':[1,2]},{'camera':0,'translation':[1,0,0]},{'extensions':{"
+        "'KHR_lights_punctual':{'light':0}}},{'camera':0,'translation':[0,4,0]}],"
+        "'animations':[{'channels':[{'sampler':0,'target':{'node':0,'path':'translation'}}],"
+        "'samplers':[{'input':4,'output':5}]}]");
+    assert_int_equal(s->nodes, 3);
+    assert_true(s->camera[0].node == 1 && s->light[0].node == 2);
+    gltf_floats_equal(s->camera[0].transform, identity, 16, 0);
+    gltf_floats_equal(s->light[0].transform, identity, 16, 0);
+    assert_true(s->camera[1].node == GLINT_NONE && s->camera[1].transform[13] == 4);
+    glint_scene_destroy(&s);
+}
+
+// Turned by 90 degrees about z, scaled by 2, 3 and -4, moved.
+static void an_animated_matrix_is_taken_apart(void **state)
+{
+    (void)state;
+#define MATRIX(M)                                                                             \
+    SQUARE ",'scenes':[{'nodes':[0]}],'nodes':[{'name':'m','mesh':0,'matrix':[" M "]}],"      \
+           "'animations':[{'channels':[{'sampler':0,'target':{'node':0,'path':'translation'}" \
+           "}],'samplers':[{'input':4,'output':5}]}]"
+    struct glint_scene *s = gltf_moving(MATRIX("0,2,0,0,-3,0,0,0,0,0,-4,0,5,6,7,1"));
+    const struct glint_node *n = &s->node[0];
+    static const float whole[16] = {0, 2, 0, 0, -3, 0, 0, 0, 0, 0, -4, 0, 5, 6, 7, 1};
+    assert_false(n->matrix);
+    gltf_floats_equal(n->transform, whole, 16, 1e-6f);
+    gltf_floats_equal(n->translation, whole + 12, 3, 0);
+    // which axis is mirrored is a choice; the product of the scales is not
+    assert_true(fabsf(n->scale[0] * n->scale[1] * n->scale[2] + 24) < 1e-5f);
+    const float *q = n->rotation;
+    assert_true(fabsf(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1) < 1e-6f);
+    gltf_expect_warning(s, "node \"m\" is animated and has a matrix");
+    assert_false(gltf_warns(s, "shear"));
+    glint_scene_destroy(&s);
+    s = gltf_moving(MATRIX("1,0,0,0,0.5,1,0,0,0,0,1,0,0,0,0,1"));
+    gltf_expect_warning(s, "its shear is lost");
+    glint_scene_destroy(&s);
+}
+
+// --- channels
+
+#define ONE_MOVES                                                                          \
+    SQUARE ",'scenes':[{'nodes':[0]}],'nodes':[{'name':'n','mesh':0},{'name':'outside'}]," \
+           "'animations':"
+
+static void channels_keep_their_keys(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_moving(
+        ONE_MOVES
+        "[{'name':'go','channels':[{'sampler':0,'target':{'node':0,'path':'translation'}},"
+        "{'sampler':1,'target':{'node':0,'path':'rotation'}},{'sampler':2,'target':{'node':0,"
+        "'path':'scale'}}],'samplers':[{'input':4,'output':5},{'input':4,'output':9,"
+        "'interpolation':'STEP'},{'input':4,'output':7,'interpolation':'CUBICSPLINE'}]},"
+        "{'channels':[{'sampler':0,'target':{'node':0,'path':'rotation'}}],'samplers':[{'input':4,"
+        "'output':6,'interpolation':'LINEAR'}]}]");
+    assert_int_equal(s->animations, 2);
+    const struct glint_animation *a = s->animation;
+    assert_string_equal(a[0].id, "go");
+    assert_string_equal(a[1].name, "animation_1");
+    assert_true(a[0].channels == 3 && a[1].channels == 1);
+    const struct glint_animation_channel *c = a[0].channel;
+    static const char *const ids[] = {"n.translation", "n.rotation", "n.scale"};
+    for (int i = 0; i < 3; i++) {
+        assert_string_equal(c[i].id, ids[i]);
+        assert_true(c[i].node == 0 && c[i].keys == 3 && (int)c[i].path == i);
+        gltf_floats_equal(c[i].time, gltf_moving_data.time, 3, 0);
+    }
+    assert_true(c[0].interpolation == GLINT_INTERPOLATION_LINEAR &&
+                c[1].interpolation == GLINT_INTERPOLATION_STEP &&
+                c[2].interpolation == GLINT_INTERPOLATION_CUBICSPLINE);
+    assert_true(c[0].width == 3 && c[1].width == 4 && c[2].width == 3);
+    gltf_floats_equal(c[0].value, &gltf_moving_data.move[0][0], 9, 0);
+    static const float turn16[12] = {0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, -1}; // -32768 is -1 too
+    gltf_floats_equal(c[1].value, turn16, 12, 0);
+    gltf_floats_equal(c[2].value, &gltf_moving_data.curve[0][0][0], 27, 0);
+    gltf_floats_equal(a[1].channel[0].value, &gltf_moving_data.turn[0][0], 12, 0);
+    assert_string_equal(a[1].channel[0].id, "n.rotation"); // unique in its animation alone
+    glint_scene_destroy(&s);
+}
+
+static void channels_without_a_place_here_are_named(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_moving(
+        ONE_MOVES
+        "[{'name':'a','channels':[{'sampler':0,'target':{'node':1,'path':'translation'}},"
+        "{'sampler':0,'target':{'path':'pointer','extensions':{'KHR_animation_pointer':{}}}},"
+        "{'sampler':0,'target':{'path':'scale'}},{'sampler':0,'target':{'node':0,'path':'scale'}}]"
+        ",'samplers':[{'input':4,'output':5}]},"
+        "{'name':'b','channels':[{'sampler':0,'target':{'node':1,'path':'scale'}}],"
+        "'samplers':[{'input':4,'output':5}]}]");
+    assert_int_equal(s->animations, 1);
+    assert_int_equal(s->animation[0].channels, 1);
+    gltf_expect_warning(s, "a channel of animation \"a\" moves node 1, which the scene does not");
+    gltf_expect_warning(s, "a channel of animation \"a\" with KHR_animation_pointer");
+    gltf_expect_warning(s, "animation \"b\" moves nothing");
+    glint_scene_destroy(&s);
+}
+
+#define CHANNEL(TARGET, SAMPLER) \
+    ONE_MOVES "[{'channels':[{'sampler':0,'target':{" TARGET "}}],'samplers':[{" SAMPLER "}]}]"
+#define CHANNEL_AT "/animations/0/channels/0"
+#define SAMPLER_AT "/animations/0/samplers/0"
+
+static void faults_of_channels_are_named(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *rest, *pointer, *word;
+    } bad[] = {
+        {CHANNEL("'node':9,'path':'scale'", "'input':4,'output':5"), CHANNEL_AT "/target/node",
+         "2 nodes"},
+        {CHANNEL("'node':0,'path':'colour'", "'input':4,'output':5"), CHANNEL_AT "/target/path",
+         "colour"},
+        {CHANNEL("'node':0", "'input':4,'output':5"), CHANNEL_AT "/target/path", "required"},
+        {CHANNEL("'node':0,'path':'weights'", "'input':4,'output':8"), CHANNEL_AT "/target",
+         "no morph targets"},
+        {CHANNEL("'node':0,'path':'scale'", "'input':4,'output':5,'interpolation':'BEZIER'"),
+         SAMPLER_AT "/interpolation", "BEZIER"},
+        {CHANNEL("'node':0,'path':'scale'", "'output':5"), SAMPLER_AT "/input", "required"},
+        {CHANNEL("'node':0,'path':'scale'", "'input':4"), SAMPLER_AT "/output", "required"},
+        {CHANNEL("'node':0,'path':'scale'", "'input':99,'output':5"), SAMPLER_AT "/input",
+         "16 accessors"},
+        {CHANNEL("'node':0,'path':'scale'", "'input':3,'output':5"), SAMPLER_AT "/input", "times"},
+        {CHANNEL("'node':0,'path':'scale'", "'input':4,'output':6"), SAMPLER_AT "/output", "type"},
+        {CHANNEL("'node':0,'path':'rotation'", "'input':4,'output':11"), SAMPLER_AT "/output",
+         "type"},
+        {CHANNEL("'node':0,'path':'scale'", "'input':4,'output':0"), SAMPLER_AT "/output",
+         "4 elements; 3 keys need 3"},
+        {CHANNEL("'node':0,'path':'scale'", "'input':4,'output':5,'interpolation':'CUBICSPLINE'"),
+         SAMPLER_AT "/output", "3 keys need 9"},
+        {ONE_MOVES "[{'channels':[{'sampler':1,'target':{'node':0,'path':'scale'}}],'samplers':[{"
+                   "'input':4,'output':5}]}]",
+         CHANNEL_AT "/sampler", "1 samplers"},
+        {ONE_MOVES "[{'channels':[{'sampler':0,'target':{'node':0,'path':'scale'}},{'sampler':0,"
+                   "'target':{'node':0,'path':'scale'}}],'samplers':[{'input':4,'output':5}]}]",
+         "/animations/0/channels/1/target", "twice"},
+        {ONE_MOVES "[{'samplers':[]}]", "/animations/0/channels", "required"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        gltf_refuse_moving(bad[i].rest, NULL, bad[i].pointer, bad[i].word);
+}
+
+static void times_grow_from_0_and_values_are_numbers(void **state)
+{
+    (void)state;
+    static const char *const rest =
+        CHANNEL("'node':0,'path':'translation'", "'input':4,'output':5");
+    struct gltf_moving data = gltf_moving_data;
+    data.time[2] = 0.5f;
+    gltf_refuse_moving(rest, &data, "/accessors/4", "time 2 is 0.5, not after 0.5");
+    data.time[2] = NAN;
+    gltf_refuse_moving(rest, &data, "/accessors/4", "nan");
+    data = gltf_moving_data;
+    data.time[0] = -1;
+    gltf_refuse_moving(rest, &data, "/accessors/4", "before 0");
+    data = gltf_moving_data;
+    data.move[1][2] = INFINITY;
+    gltf_refuse_moving(rest, &data, "/accessors/5", "element 1 has the number inf");
+    data = gltf_moving_data;
+    memset(data.turn[1], 0, sizeof data.turn[1]);
+    gltf_refuse_moving(CHANNEL("'node':0,'path':'rotation'", "'input':4,'output':6"), &data,
+                       "/accessors/6", "key 1 is no rotation");
+}
+
+// --- skins
+
+#define SKINNED_MESH                                                                 \
+    "'meshes':[{'name':'body','primitives':[{'attributes':{'POSITION':0,'NORMAL':1," \
+    "'JOINTS_0':11,'WEIGHTS_0':12},'indices':3}]}]"
+// The square, moved out of the way, bound to hip / knee; with the inverse matrices or without.
+#define SKINNED(SKIN)                                                                       \
+    SKINNED_MESH ",'skins':[" SKIN "],'scenes':[{'nodes':[0,1]}],'nodes':[{'name':'skin',"  \
+                 "'mesh':0,'skin':0,'translation':[50,0,0]},{'name':'hip','children':[2]}," \
+                 "{'name':'knee','translation':[0,1,0]},{'name':'far'}]"
+
+static void a_skinned_mesh_hangs_on_its_joints(void **state)
+{
+    (void)state;
+    struct glint_scene *s =
+        gltf_moving(SKINNED("{'name':'bones','joints':[1,2],'inverseBindMatrices':10}"));
+    assert_int_equal(s->skins, 1);
+    const struct glint_skin *k = &s->skin[0];
+    assert_string_equal(k->id, "bones");
+    assert_int_equal(k->joints, 2);
+    assert_string_equal(s->node[k->joint[0]].name, "hip"); // nodes, though nothing moves them
+    assert_string_equal(s->node[k->joint[1]].name, "knee");
+    assert_int_equal(s->node[k->joint[1]].parent, k->joint[0]);
+    gltf_floats_equal(k->inverse_bind, &gltf_moving_data.bind[0][0], 32, 0);
+    const struct glint_instance *in = &s->instance[0];
+    assert_true(in->skin == 0 && in->node == GLINT_NONE);
+    gltf_floats_equal(in->transform, identity, 16, 0); // its own node does not move it
+    glint_scene_destroy(&s);
+    s = gltf_moving(SKINNED("{'joints':[1,2]}"));
+    gltf_floats_equal(s->skin[0].inverse_bind, identity, 16, 0);
+    gltf_floats_equal(s->skin[0].inverse_bind + 16, identity, 16, 0);
+    assert_string_equal(s->skin[0].id, "skin_0");
+    glint_scene_destroy(&s);
+}
+
+// Of a vertex with weights that are not of sum 1, and of one without any; joint 9 has no weight.
+static void weights_have_the_sum_1(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_moving(SKINNED("{'joints':[1,2]}"));
+    const struct glint_mesh *m = &s->mesh[0];
+    static const float weight[16] = {1, 0, 0, 0, 0.5f, 0.5f, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+    static const uint16_t joint[16] = {0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0};
+    gltf_floats_equal(m->weight, weight, 16, 0);
+    assert_memory_equal(m->joint, joint, sizeof joint);
+    gltf_expect_warning(s, "1 vertices of mesh \"body\" follow no joint");
+    glint_scene_destroy(&s);
+}
+
+static void faults_of_skins_are_named(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *rest, *pointer, *word;
+    } bad[] = {
+        {SKINNED("{}"), "/skins/0/joints", "required"},
+        {SKINNED("{'joints':[]}"), "/skins/0/joints", "0 joints"},
+        {SKINNED("{'joints':[1,9]}"), "/skins/0/joints/1", "node 9"},
+        {SKINNED("{'joints':[1,3]}"), "/skins/0/joints/1", "node 3 is not in the scene"},
+        {SKINNED("{'joints':[1]}"), "/nodes/0/skin", "asks for joint 1; the skin has 1"},
+        {SKINNED("{'joints':[1,2],'inverseBindMatrices':12}"), "/skins/0/inverseBindMatrices",
+         "2 matrices"},
+        {SKINNED("{'joints':[1,2,0],'inverseBindMatrices':10}"), "/skins/0/inverseBindMatrices",
+         "3 matrices"},
+        {"'meshes':[{'primitives':[{'attributes':{'POSITION':0,'JOINTS_0':11}}]}]," ONE_NODE,
+         "/meshes/0/primitives/0/attributes", "together"},
+        {"'meshes':[{'primitives':[{'attributes':{'POSITION':0,'JOINTS_0':12,'WEIGHTS_0':12}}]}]"
+         "," ONE_NODE,
+         "/meshes/0/primitives/0/attributes/JOINTS_0", "8 or 16"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        gltf_refuse_moving(bad[i].rest, NULL, bad[i].pointer, bad[i].word);
+    struct gltf_moving data = gltf_moving_data;
+    data.bind[1][3] = 1;
+    static const char *const bound = SKINNED("{'joints':[1,2],'inverseBindMatrices':10}");
+    gltf_refuse_moving(bound, &data, "/accessors/10", "last row of matrix 1");
+    data.bind[1][3] = NAN;
+    gltf_refuse_moving(bound, &data, "/accessors/10", "matrix 1 has the number nan");
+}
+
+static void a_million_joints_are_refused(void **state)
+{
+    (void)state;
+    char *rest = malloc(3000000), *end = rest;
+    end += sprintf(end, SKINNED_MESH ",'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0,'skin':0}],"
+                                     "'skins':[{'joints':[0");
+    for (int i = 1; i < 1000000; i++)
+        end += sprintf(end, ",0");
+    strcpy(end, "]}]");
+    gltf_refuse_moving(rest, NULL, "/skins/0/joints", "1000000 joints");
+    free(rest);
+}
+
+// A joint may be the skinned node's own, as joints go: no cycle of nodes comes of it.
+static void a_skin_on_its_own_joint_is_read(void **state)
+{
+    (void)state;
+    struct glint_scene *s =
+        gltf_moving(SKINNED_MESH ",'skins':[{'joints':[0,0]}],'scenes':[{'nodes':[0]}],"
+                                 "'nodes':[{'mesh':0,'skin':0}]");
+    assert_int_equal(s->nodes, 1);
+    assert_true(s->skin[0].joint[0] == 0 && s->instance[0].node == GLINT_NONE);
+    glint_scene_destroy(&s);
+}
+
+static void a_skin_without_joints_in_the_mesh_binds_nothing(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_moving(SQUARE ",'skins':[{'joints':[0]}],'scenes':[{'nodes':[0]}"
+                                               "],'nodes':[{'name':'n','mesh':0,'skin':0,"
+                                               "'translation':[1,2,3]}]");
+    assert_true(s->instance[0].skin == GLINT_NONE && s->instance[0].transform[13] == 2);
+    gltf_expect_warning(s, "node \"n\" has a skin, but its mesh has no joints");
+    glint_scene_destroy(&s);
+}
+
+// --- morph targets
+
+#define TARGETS "'targets':[{'POSITION':13},{'POSITION':14,'NORMAL':13}]"
+#define MORPHED(MORE) \
+    "'meshes':[{'name':'face','primitives':[{" GLB_QUAD_PRIMITIVE "," TARGETS "}]" MORE "}]"
+
+static void targets_displace_and_weights_say_how_much(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_moving(
+        MORPHED(",'weights':[0.25,0.5]") ",'scenes':[{'nodes':[0,1]}],'nodes':[{'name':'rest',"
+                                         "'mesh':0},{'name':'own','mesh':0,'weights':[1,-2]}]");
+    const struct glint_mesh *m = &s->mesh[0];
+    assert_int_equal(s->meshes, 1);
+    assert_int_equal(m->targets, 2);
+    gltf_floats_equal(m->target_position, &gltf_moving_data.displace[0][0][0], 24, 0);
+    for (int i = 0; i < 12; i++) // the first target leaves normals alone
+        assert_true(m->target_normal[i] == 0);
+    gltf_floats_equal(m->target_normal + 12, &gltf_moving_data.displace[0][0][0], 12, 0);
+    assert_null(m->target_tangent);
+    gltf_floats_equal(m->target_weight, (const float[]){0.25f, 0.5f}, 2, 0);
+    assert_null(s->instance[0].weight);
+    gltf_floats_equal(s->instance[1].weight, (const float[]){1, -2}, 2, 0);
+    assert_int_equal(s->warnings, 0);
+    glint_scene_destroy(&s);
+}
+
+static void meshes_that_morph_are_not_taken_for_equal(void **state)
+{
+    (void)state;
+    struct glint_scene *s =
+        gltf_moving("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'targets':[{'POSITION':"
+                    "13}]},{'attributes':{'POSITION':0},'targets':[{'POSITION':14}]}],'weights':["
+                    "0.5]},{'primitives':[{'attributes':{'POSITION':0},'targets':[{'POSITION':13}]}"
+                    "]}],'scenes':[{'nodes':[0,1]}],'nodes':[{'mesh':0},{'mesh':1}]");
+    assert_int_equal(s->meshes, 3);
+    assert_true(s->mesh[1].target_position[7] == 2 && s->mesh[1].target_weight[0] == 0.5f);
+    assert_null(s->mesh[2].target_weight);
+    glint_scene_destroy(&s);
+}
+
+static void a_channel_of_weights_gives_the_mesh_its_node(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_moving(
+        MORPHED("") ",'scenes':[{'nodes':[0]}],'nodes':[{'name':'n','mesh':0,'translation':[1,0,0],"
+                    "'children':[1]},{'name':'below','mesh':0}],"
+                    "'animations':[{'channels':[{'sampler':0,'target':{'node':0,'path':'weights'}}"
+                    "],'samplers':[{'input':4,'output':8}]}]");
+    const struct glint_animation_channel *c = &s->animation[0].channel[0];
+    assert_true(c->path == GLINT_PATH_WEIGHTS && c->width == 2 && c->keys == 3 && c->node == 0);
+    gltf_floats_equal(c->value, &gltf_moving_data.weigh[0][0], 6, 0);
+    assert_true(s->instance[0].node == 0 && s->instance[1].node == GLINT_NONE); // weights move none
+    gltf_floats_equal(s->instance[0].transform, identity, 16, 0);
+    assert_true(s->instance[1].transform[12] == 1);
+    glint_scene_destroy(&s);
+}
+
+// The second target: sparse displacements of bytes, of vertex 2 alone, by 2/127 along y.
+static void displacements_may_be_sparse_and_quantised(void **state)
+{
+    (void)state;
+    static const struct {
+        float position[9];
+        int8_t dense[3][4], value[4];
+        uint8_t index[4];
+    } bin = {{0, 0, 0, 1, 0, 0, 0, 1, 0},
+             {{127, 0, 0, 0}, {0, -127, 0, 0}, {0, 0, 0, 0}},
+             {0, 2, 0, 0},
+             {2, 0, 0, 0}};
+    struct glint_scene *s = gltf_data(
+        "{'asset':{'version':'2.0'},'extensionsRequired':['KHR_mesh_quantization'],'buffers':[{"
+        "'byteLength':56}],'bufferViews':[{'buffer':0,'byteLength':36},{'buffer':0,'byteOffset':36,"
+        "'byteLength':12,'byteStride':4},{'buffer':0,'byteOffset':48,'byteLength':4},{'buffer':0,"
+        "'byteOffset':52,'byteLength':1}],'accessors':[{'bufferView':0,'componentType':5126,"
+        "'count':3,'type':'VEC3'},{'bufferView':1,'componentType':5120,'normalized':true,'count':3,"
+        "'type':'VEC3'},{'componentType':5120,'normalized':true,'count':3,'type':'VEC3','sparse':{"
+        "'count':1,'indices':{'bufferView':3,'componentType':5121},'values':{'bufferView':2}}}],"
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'targets':[{'POSITION':1},"
+        "{'POSITION':2}]}]}]," ONE_NODE "}",
+        &bin, sizeof bin);
+    static const float expected[18] = {1, 0, 0, 0, -1, 0, 0, 0,          0,
+                                       0, 0, 0, 0, 0,  0, 0, 2 / 127.0f, 0};
+    gltf_floats_equal(s->mesh[0].target_position, expected, 18, 0);
+    glint_scene_destroy(&s);
+}
+
+static void faults_of_morph_targets_are_named(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *rest, *pointer, *word;
+    } bad[] = {
+        {MORPHED(",'weights':[1]") "," ONE_NODE, "/meshes/0/weights", "2"},
+        {MORPHED("") ",'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0,'weights':[1,2,3]}]",
+         "/nodes/0/weights", "2"},
+        {SQUARE ",'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0,'weights':[1]}]", "/nodes/0/weights",
+         "no morph targets"},
+        {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'targets':[{'POSITION':5}]}]}]"
+         "," ONE_NODE,
+         "/meshes/0/primitives/0/targets/0/POSITION", "3 elements"},
+        {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'targets':[{'POSITION':12}]}]}]"
+         "," ONE_NODE,
+         "/meshes/0/primitives/0/targets/0/POSITION", "type"},
+        {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'targets':[{}]},{'attributes':{"
+         "'POSITION':0}}]}]," ONE_NODE,
+         "/meshes/0/primitives/1/targets", "0 morph targets; the first primitive has 1"},
+        {"'meshes':[{'primitives':[{'attributes':{'POSITION':0},'targets':[7]}]}]," ONE_NODE,
+         "/meshes/0/primitives/0/targets/0", "object"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        gltf_refuse_moving(bad[i].rest, NULL, bad[i].pointer, bad[i].word);
+    struct gltf_moving data = gltf_moving_data;
+    data.displace[1][3][0] = NAN;
+    gltf_refuse_moving(MORPHED("") "," ONE_NODE, &data, "/accessors/14", "element 3");
+}
+
+static void colours_and_coordinates_of_targets_stay_with_a_warning(void **state)
+{
+    (void)state;
+    struct glint_scene *s =
+        gltf_moving("'meshes':[{'name':'m','primitives':[{'attributes':{'POSITION':0},'targets':[{"
+                    "'POSITION':13,'COLOR_0':15,'TEXCOORD_0':2}]}]}]," ONE_NODE);
+    gltf_expect_warning(s, "morph targets of mesh \"m\" move COLOR_0");
+    gltf_expect_warning(s, "morph targets of mesh \"m\" move TEXCOORD_0");
+    glint_scene_destroy(&s);
+}
+
+// --- copies
+
+#define COPIES(ATTRIBUTES, NODE)                                                         \
+    SQUARE ",'extensionsRequired':['EXT_mesh_gpu_instancing'],'scenes':[{'nodes':[0]}]," \
+           "'nodes':[{'name':'tree','mesh':0,'extensions':{'EXT_mesh_gpu_instancing':{"  \
+           "'attributes':{" ATTRIBUTES "}}}" NODE "}]"
+
+static void copies_of_a_node_are_instances_of_one_object(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_moving(COPIES("'TRANSLATION':5,'ROTATION':9", ",'scale':[2,2,2]"));
+    assert_int_equal(s->objects, 1);
+    assert_string_equal(s->object[0].name, "tree");
+    assert_int_equal(s->instances, 3);
+    // node scale 2; the second copy turned by 180 degrees about z, the third's quaternion is
+    // (1, 0, 0, -1) made unit: -90 degrees about x, y to -z
+    static const float expected[3][16] = {
+        {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1},
+        {-2, 0, 0, 0, 0, -2, 0, 0, 0, 0, 2, 0, 2, 4, 6, 1},
+        {2, 0, 0, 0, 0, 0, -2, 0, 0, 2, 0, 0, 8, 10, 12, 1},
+    };
+    static const char *const ids[] = {"tree.0", "tree.1", "tree.2"};
+    for (int i = 0; i < 3; i++) {
+        assert_string_equal(s->instance[i].id, ids[i]);
+        assert_true(s->instance[i].object == 0 && s->instance[i].mesh == 0);
+        gltf_floats_equal(s->instance[i].transform, expected[i], 16, 1e-6f);
+    }
+    glint_scene_destroy(&s);
+}
+
+static void copies_below_what_moves_keep_their_place_in_it(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_moving(
+        COPIES("'TRANSLATION':5",
+               ",'translation':[9,9,9]") ",'animations':[{'channels':[{"
+                                         "'sampler':0,'target':{'node':0,'path':'rotation'}}],'"
+                                         "samplers':[{'input':4,'output':6}]}"
+                                         "]");
+    assert_int_equal(s->instances, 3);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(s->instance[i].node, 0);
+        gltf_floats_equal(s->instance[i].transform + 12, gltf_moving_data.move[i], 3, 0);
+    }
+    glint_scene_destroy(&s);
+}
+
+static void faults_of_copies_are_named(void **state)
+{
+    (void)state;
+#define COPIES_AT "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes"
+    gltf_refuse_moving(COPIES("'TRANSLATION':6", ""), NULL, COPIES_AT "/TRANSLATION", "type");
+    gltf_refuse_moving(COPIES("'ROTATION':11", ""), NULL, COPIES_AT "/ROTATION", "type");
+    gltf_refuse_moving(COPIES("'TRANSLATION':5,'SCALE':0", ""), NULL, COPIES_AT "/SCALE",
+                       "4 elements");
+    gltf_refuse_moving(COPIES("'TRANSLATION':77", ""), NULL, COPIES_AT "/TRANSLATION",
+                       "16 accessors");
+    struct gltf_moving data = gltf_moving_data;
+    data.move[2][0] = NAN;
+    gltf_refuse_moving(COPIES("'TRANSLATION':5", ""), &data, "/accessors/5", "element 2");
+    memset(data.turn[0], 0, sizeof data.turn[0]);
+    gltf_refuse_moving(COPIES("'ROTATION':6", ""), &data, "/accessors/6", "element 0 is no");
+}
+
+// --- vertices
+
+static void colours_become_linear_fractions_with_opacity(void **state)
+{
+    (void)state;
+    struct glint_scene *s =
+        gltf_moving("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'COLOR_0':15,"
+                    "'TEXCOORD_0':2,'TEXCOORD_1':2},'indices':3},{'attributes':{'POSITION':0,"
+                    "'COLOR_0':14}}]}]," ONE_NODE);
+    static const float bytes[16] = {1, 0, 0.2f, 0.4f, 0, 1, 0, 1, 0, 0, 1, 1, 1, 1, 1, 0};
+    gltf_floats_equal(s->mesh[0].color, bytes, 16, 1e-7f);
+    gltf_floats_equal(s->mesh[0].uv1, gltf_moving_data.quad.uv, 8, 0);
+    // three components, above 1: clamped, opaque
+    static const float three[16] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+    gltf_floats_equal(s->mesh[1].color, three, 16, 0);
+    assert_null(s->mesh[1].uv1);
+    glint_scene_destroy(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_moves_keeps_its_frame_and_all_else_is_baked),
+        cmocka_unit_test(without_animation_there_are_no_nodes),
+        cmocka_unit_test(lights_and_cameras_ride_on_what_moves),
+        cmocka_unit_test(an_animated_matrix_is_taken_apart),
+        cmocka_unit_test(channels_keep_their_keys),
+        cmocka_unit_test(channels_without_a_place_here_are_named),
+        cmocka_unit_test(faults_of_channels_are_named),
+        cmocka_unit_test(times_grow_from_0_and_values_are_numbers),
+        cmocka_unit_test(a_skinned_mesh_hangs_on_its_joints),
+        cmocka_unit_test(weights_have_the_sum_1),
+        cmocka_unit_test(faults_of_skins_are_named),
+        cmocka_unit_test(a_million_joints_are_refused),
+        cmocka_unit_test(a_skin_on_its_own_joint_is_read),
+        cmocka_unit_test(a_skin_without_joints_in_the_mesh_binds_nothing),
+        cmocka_unit_test(targets_displace_and_weights_say_how_much),
+        cmocka_unit_test(meshes_that_morph_are_not_taken_for_equal),
+        cmocka_unit_test(a_channel_of_weights_gives_the_mesh_its_node),
+        cmocka_unit_test(displacements_may_be_sparse_and_quantised),
+        cmocka_unit_test(faults_of_morph_targets_are_named),
+        cmocka_unit_test(colours_and_coordinates_of_targets_stay_with_a_warning),
+        cmocka_unit_test(copies_of_a_node_are_instances_of_one_object),
+        cmocka_unit_test(copies_below_what_moves_keep_their_place_in_it),
+        cmocka_unit_test(faults_of_copies_are_named),
+        cmocka_unit_test(colours_become_linear_fractions_with_opacity),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
