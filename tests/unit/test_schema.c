@@ -133,8 +133,25 @@ static void members_are_those_that_the_parsers_know(void **state)
     assert_members(scene, "$defs/instance/properties", glint_instance_fields);
     assert_members(scene, "$defs/light/properties", glint_light_fields);
     assert_members(scene, "$defs/camera/properties", glint_camera_fields);
+    assert_members(scene, "$defs/node/properties", glint_node_fields);
+    assert_members(scene, "$defs/skin/properties", glint_skin_fields);
+    assert_members(scene, "$defs/animation/properties", glint_animation_fields);
+    assert_members(scene, "$defs/channel/properties", glint_channel_fields);
+    assert_members(scene, "$defs/medium/properties", glint_medium_fields);
     assert_members(scene, "$defs/environment/properties", glint_environment_fields);
+    assert_members(scene, "properties", glint_scene_fields);
     cJSON_Delete(job);
+    cJSON_Delete(scene);
+}
+
+// The fifth kind of mesh is an asset.
+static void attributes_are_those_of_the_table(void **state)
+{
+    (void)state;
+    cJSON *scene = load("schema/scene.json");
+    const cJSON *mesh = cJSON_GetArrayItem(at(scene, "$defs/mesh/oneOf"), 4);
+    assert_enum(mesh, "properties/attributes/items", glint_mesh_attribute_names);
+    assert_enum(mesh, "properties/target_attributes/items", glint_target_attribute_names);
     cJSON_Delete(scene);
 }
 
@@ -164,6 +181,7 @@ int main(void)
         cmocka_unit_test(dials_and_presets_are_those_of_the_table),
         cmocka_unit_test(outputs_are_those_that_have_a_name),
         cmocka_unit_test(members_are_those_that_the_parsers_know),
+        cmocka_unit_test(attributes_are_those_of_the_table),
         cmocka_unit_test(the_examples_are_accepted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
