@@ -46,6 +46,8 @@ UNIT_TESTS = \
 	tests/unit/test_metrics \
 	tests/unit/test_multipart \
 	tests/unit/test_png \
+	tests/unit/test_pose \
+	tests/unit/test_pose_deform \
 	tests/unit/test_problem \
 	tests/unit/test_queue \
 	tests/unit/test_range \
@@ -116,6 +118,9 @@ tests_unit_test_import_gltf_scene_SOURCES = tests/unit/test_import_gltf_scene.c 
 tests_unit_test_import_gltf_time_SOURCES = tests/unit/test_import_gltf_time.c \
 	tests/unit/gltf_moving.c tests/unit/gltf_moving.h $(gltf_expect)
 tests_unit_test_jobs_SOURCES = tests/unit/test_jobs.c $(jobs_fixture)
+pose_scene = tests/unit/pose_scene.c tests/unit/pose_scene.h
+tests_unit_test_pose_SOURCES = tests/unit/test_pose.c $(pose_scene)
+tests_unit_test_pose_deform_SOURCES = tests/unit/test_pose_deform.c $(pose_scene)
 tests_unit_test_scheduler_SOURCES = tests/unit/test_scheduler.c $(jobs_fixture)
 tests_unit_test_store_SOURCES = tests/unit/test_store.c tests/unit/fake_scene.c \
 	tests/unit/fake_scene.h
