@@ -17,7 +17,7 @@ glint_status glint_import_decode(struct glint_import_work *w, struct glint_error
     case GLINT_SCENE_GLB:
     case GLINT_SCENE_GLTF: {
         const glint_status st = glint_gltf_import(&w->scene, w->bytes, w->size, err);
-        return st ? st : glint_scene_complete(w->scene, err);
+        return st ? st : glint_scene_complete_file(w->scene, err);
     }
     default:
         return glint_fail(err, GLINT_E_RANGE, "", "files of type %d are not read", w->type);
