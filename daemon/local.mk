@@ -94,6 +94,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/render/estimate.h \
 	daemon/render/film.c \
 	daemon/render/film.h \
+	daemon/render/inside.c \
 	daemon/render/internal.h \
 	daemon/render/mattes.c \
 	daemon/render/plan.c \
@@ -114,6 +115,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/assets.h \
 	daemon/scene/data_uri.c \
 	daemon/scene/data_uri.h \
+	daemon/scene/energy.c \
+	daemon/scene/energy.h \
 	daemon/scene/environment.c \
 	daemon/scene/facts.c \
 	daemon/scene/facts.h \

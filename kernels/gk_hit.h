@@ -30,6 +30,7 @@ struct gk_raw_hit {
 
 struct gk_hit {
     struct gk_vec ng, ns; // unit, world, on the side that the ray came from
+    struct gk_vec nc;     // likewise, of the coat, under GK_CLEARCOAT
     gk_f32 cos_g;         // of the ray with the front side's geometric normal, signed; > 0: back
     gk_f32 u, v;          // barycentrics of the second and third vertex
     struct gk_coordinates at; // in its textures
@@ -100,11 +101,11 @@ GK_INLINE struct gk_vec gk_instance_vector(const GK_GLOBAL struct gk_instance *r
 #endif
 }
 
-// Shading normal from the normal map, in the frame of the interpolated tangents.
+// Shading normal from a normal map, in the frame of the interpolated tangents.
 GK_INLINE struct gk_vec gk_mapped_normal(const struct gk_resident *r, const struct gk_hit *hit,
-                                         gk_f32 u, gk_f32 v)
+                                         gk_u32 texture, gk_f32 scale)
 {
-    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
+    const gk_f32 u = hit->u, v = hit->v;
     const GK_GLOBAL gk_f32 *t = r->tangent[hit->triangle].tangent;
     const gk_f32 w = 1.0f - u - v;
     const struct gk_vec raw = gk_vec(w * t[0] + u * t[4] + v * t[8], w * t[1] + u * t[5] + v * t[9],
@@ -112,17 +113,24 @@ GK_INLINE struct gk_vec gk_mapped_normal(const struct gk_resident *r, const stru
     struct gk_vec tangent = gk_instance_vector(r->instance + hit->instance, raw);
     tangent = gk_normalise(gk_along(tangent, hit->ns, -gk_dot(tangent, hit->ns)));
     const struct gk_vec bitangent = gk_scale(gk_cross(hit->ns, tangent), t[3]);
-    const struct gk_texel n = gk_texture_at(&r->textures, m->normal_texture, hit->at);
-    const struct gk_vec inner =
-        gk_vec((n.r * 2.0f - 1.0f) * m->normal_scale, (n.g * 2.0f - 1.0f) * m->normal_scale,
-               gk_max(n.b * 2.0f - 1.0f, 0.0f));
+    const struct gk_texel n = gk_texture_at(&r->textures, texture, hit->at);
+    const struct gk_vec inner = gk_vec((n.r * 2.0f - 1.0f) * scale, (n.g * 2.0f - 1.0f) * scale,
+                                       gk_max(n.b * 2.0f - 1.0f, 0.0f));
     const struct gk_vec mapped = gk_normalise(
         gk_along(gk_along(gk_scale(tangent, inner.x), bitangent, inner.y), hit->ns, inner.z));
-    const gk_i32 usable = m->normal_texture != GK_NONE && gk_dot(tangent, tangent) > 0.5f &&
-                          gk_dot(mapped, mapped) > 0.5f;
+    const gk_i32 usable =
+        texture != GK_NONE && gk_dot(tangent, tangent) > 0.5f && gk_dot(mapped, mapped) > 0.5f;
     return gk_vec_select(hit->ns, mapped, usable);
 }
 #endif
+
+// A shading normal on the side of the ray.
+GK_INLINE struct gk_vec gk_turned_normal(struct gk_vec n, struct gk_vec ng, struct gk_vec d)
+{
+    const struct gk_vec turned = gk_vec_select(n, gk_negate(n), gk_dot(n, ng) < 0.0f);
+    // Seen from beyond its horizon a shading normal has no meaning: the geometric one serves.
+    return gk_vec_select(turned, ng, gk_dot(turned, d) > -1e-4f);
+}
 
 // d: unit direction of the ray.
 GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw_hit raw,
@@ -153,12 +161,20 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
     ns = gk_vec_select(ns, hit.ng, flat);
 #ifdef GK_NORMAL_MAPS
     // The map is made for the side that the normals point to; turn afterwards.
+    const GK_GLOBAL struct gk_material *m = r->material + hit.material;
     hit.ns = gk_vec_select(ns, front, flat);
-    ns = gk_mapped_normal(r, &hit, raw.u, raw.v);
+    ns = gk_mapped_normal(r, &hit, m->normal_texture, m->normal_scale);
 #endif
-    ns = gk_vec_select(ns, gk_negate(ns), gk_dot(ns, hit.ng) < 0.0f);
-    // Seen from beyond its horizon a shading normal has no meaning: the geometric one serves.
-    hit.ns = gk_vec_select(ns, hit.ng, gk_dot(ns, d) > -1e-4f);
+#ifdef GK_CLEARCOAT
+#ifdef GK_NORMAL_MAPS
+    const struct gk_vec nc =
+        gk_mapped_normal(r, &hit, m->coat_normal_texture, m->coat_normal_scale);
+#else
+    const struct gk_vec nc = ns;
+#endif
+    hit.nc = gk_turned_normal(nc, hit.ng, d);
+#endif
+    hit.ns = gk_turned_normal(ns, hit.ng, d);
     return hit;
 }
 

@@ -54,9 +54,42 @@ GK_INLINE struct gk_vec gk_hit_emission(const struct gk_resident *r, const struc
     return gk_vec_select(gk_splat(0.0f), L, shows);
 }
 
-// The surface at a hit, prepared for the direction back along the ray.
+#ifdef GK_SPECULAR
+GK_INLINE void gk_surface_specular(const struct gk_resident *r, const struct gk_hit *hit,
+                                   struct gk_surface *s)
+{
+    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
+    s->specular = m->specular;
+    s->specular_color = gk_vec(m->specular_color[0], m->specular_color[1], m->specular_color[2]);
+#if defined(GK_TEXTURES) && defined(GK_LAYER_TEXTURES)
+    s->specular *= gk_texture_at(&r->textures, m->specular_texture, hit->at).a;
+    const struct gk_texel t = gk_texture_at(&r->textures, m->specular_color_texture, hit->at);
+    s->specular_color = gk_mul(s->specular_color, gk_vec(t.r, t.g, t.b));
+#endif
+}
+#endif
+
+#ifdef GK_CLEARCOAT
+GK_INLINE void gk_surface_coat(const struct gk_resident *r, const struct gk_hit *hit,
+                               struct gk_onb onb, struct gk_surface *s)
+{
+    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
+    gk_f32 roughness = m->coat_roughness;
+    s->coat.weight = m->coat;
+#if defined(GK_TEXTURES) && defined(GK_LAYER_TEXTURES)
+    s->coat.weight *= gk_texture_at(&r->textures, m->coat_texture, hit->at).r;
+    roughness *= gk_texture_at(&r->textures, m->coat_rough_texture, hit->at).g;
+#endif
+    s->coat.alpha = roughness * roughness;
+    s->coat.frame = gk_onb_make(gk_normalise(gk_to_local(onb, hit->nc)));
+    s->inside = hit->cos_g > 0.0f && s->transmission > 0.0f && !s->thin;
+}
+#endif
+
+// The surface at a hit, prepared for the direction back along the ray: wo in the frame `onb` around
+// the shading normal.
 GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const struct gk_hit *hit,
-                                           gk_f32 cos_o)
+                                           struct gk_onb onb, struct gk_vec wo)
 {
     const GK_GLOBAL struct gk_material *m = r->material + hit->material;
     struct gk_surface s;
@@ -78,6 +111,12 @@ GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const st
     s.fresnel_mean = m->fresnel_mean;
 #ifdef GK_TRANSMISSION
     s.transmission = m->transmission;
+#if defined(GK_TEXTURES) && defined(GK_LAYER_TEXTURES)
+    s.transmission *= gk_texture_at(&r->textures, m->transmission_texture, hit->at).r;
+#endif
+#ifdef GK_COLLIMATION
+    s.collimation = m->collimation;
+#endif
     s.thin = (m->flags & GK_MATERIAL_THIN) != 0u;
     const gk_i32 leaving = hit->cos_g > 0.0f && s.transmission > 0.0f && !s.thin;
     s.eta = leaving ? 1.0f / m->ior : m->ior;
@@ -89,7 +128,16 @@ GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const st
     s.thin = 0;
     s.eta = m->ior;
 #endif
-    gk_surface_prepare(&s, cos_o);
+    s.energy = r->energy;
+#ifdef GK_SPECULAR
+    gk_surface_specular(r, hit, &s);
+#endif
+#ifdef GK_CLEARCOAT
+    gk_surface_coat(r, hit, onb, &s);
+#else
+    (void)onb;
+#endif
+    gk_surface_prepare(&s, wo);
     return s;
 }
 

@@ -208,7 +208,7 @@ GK_INLINE struct gk_vertex gk_vertex_load(const GK_GLOBAL gk_f32 *wave, gk_u32 s
     x.onb = gk_onb_make(x.hit.ns);
     x.wo = gk_to_local(x.onb, gk_negate(x.path.d));
     x.wo.z = gk_max(x.wo.z, 1e-6f);
-    x.surface = gk_hit_surface(scene, &x.hit, gk_min(x.wo.z, 1.0f));
+    x.surface = gk_hit_surface(scene, &x.hit, x.onb, x.wo);
     x.p = gk_along(x.path.o, x.path.d, x.path.t);
     const gk_f32 lift = gk_point_error(x.p, x.path.t);
     x.front = gk_along(x.p, x.hit.ng, lift);

@@ -4,11 +4,14 @@
 kernel_headers = \
 	kernels/gk_bsdf.h \
 	kernels/gk_camera.h \
+	kernels/gk_coat.h \
+	kernels/gk_energy.h \
 	kernels/gk_environment.h \
 	kernels/gk_film.h \
 	kernels/gk_filter.h \
 	kernels/gk_frame.h \
 	kernels/gk_fresnel.h \
+	kernels/gk_ggx.h \
 	kernels/gk_hit.h \
 	kernels/gk_light.h \
 	kernels/gk_light_grid.h \
@@ -33,11 +36,13 @@ kernel_sources = \
 	kernels/shadow.cl
 
 # Every -D that the effects table can set: the kernels are checked with none and with all of them.
-kernel_options = -DGK_AOVS -DGK_BLEND -DGK_CAMERA_MOTION -DGK_CULL -DGK_EMISSION \
-	-DGK_ENVIRONMENT_CONSTANT -DGK_ENVIRONMENT_IMAGE -DGK_FILM_FP64 -DGK_FILTER_BLACKMAN_HARRIS \
-	-DGK_FLOW -DGK_INSTANCES -DGK_LENS -DGK_LIGHTS -DGK_LIGHTS_UNIFORM -DGK_LIGHT_GRID \
-	-DGK_LIGHT_TABLE -DGK_MEDIUM -DGK_MICROFACET -DGK_MOTION -DGK_NESTED -DGK_NORMAL_MAPS \
-	-DGK_ORTHOGRAPHIC -DGK_SOLIDS -DGK_TEXTURES -DGK_TEXTURE_POOLS=4 -DGK_TRANSMISSION
+kernel_options = -DGK_AOVS -DGK_BLEND -DGK_CAMERA_MOTION -DGK_CLEARCOAT -DGK_COLLIMATION \
+	-DGK_CULL -DGK_EMISSION -DGK_ENVIRONMENT_CONSTANT -DGK_ENVIRONMENT_IMAGE -DGK_FILM_FP64 \
+	-DGK_FILTER_BLACKMAN_HARRIS -DGK_FLOW -DGK_INSTANCES -DGK_LAYER_TEXTURES -DGK_LENS -DGK_LIGHTS \
+	-DGK_LIGHTS_UNIFORM -DGK_LIGHT_GRID -DGK_LIGHT_TABLE -DGK_MEDIUM -DGK_MICROFACET -DGK_MOTION \
+	-DGK_MULTISCATTER -DGK_NEAREST_TEXELS -DGK_NESTED -DGK_NORMAL_MAPS -DGK_ORTHOGRAPHIC \
+	-DGK_SOLIDS -DGK_SPECULAR -DGK_TEXTURES -DGK_TEXTURE_POOLS=4 -DGK_TEXTURE_TRANSFORMS \
+	-DGK_TRANSMISSION -DGK_UV1 -DGK_VERTEX_COLOURS
 
 kernels = $(kernel_headers) $(kernel_sources)
 EXTRA_DIST += $(kernels)

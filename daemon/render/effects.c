@@ -32,6 +32,14 @@ CALLED_BY_FACT(medium)
 CALLED_BY_FACT(culling)
 CALLED_BY_FACT(blend)
 CALLED_BY_FACT(motion)
+CALLED_BY_FACT(uv1)
+CALLED_BY_FACT(texture_transforms)
+CALLED_BY_FACT(nearest_texels)
+CALLED_BY_FACT(layer_textures)
+CALLED_BY_FACT(vertex_colours)
+CALLED_BY_FACT(specular)
+CALLED_BY_FACT(clearcoat)
+CALLED_BY_FACT(collimation)
 CALLED_BY_FACT(instances)
 CALLED_BY_FACT(cutout)
 CALLED_BY_FACT(emission)
@@ -42,6 +50,11 @@ CALLED_BY_FACT(environment_image)
 static bool calls_texture_pools(const struct glint_effect_input *in)
 {
     return in->facts->texture_pools > 1;
+}
+
+static bool calls_multiple_scattering(const struct glint_effect_input *in)
+{
+    return in->facts->rough && in->job->dial[GLINT_DIAL_MICROFACET] == 0;
 }
 
 static bool calls_next_event(const struct glint_effect_input *in)
@@ -130,6 +143,32 @@ const struct glint_effect glint_effect_table[] = {
      .source = "Walter et al. 2007; Heitz 2014; Dupuy and Benyoub 2023",
      .dial = NO_DIAL,
      .called = calls_microfacet},
+    {.name = "multiple scattering",
+     .cause = "accuracy.microfacet multiple, and a rough reflection",
+     .define = "GK_MULTISCATTER",
+     .source = "Kulla and Conty 2017",
+     .dial = GLINT_DIAL_MICROFACET,
+     .called = calls_multiple_scattering,
+     .tables = TABLE(ENERGY)},
+    {.name = GLINT_EFFECT_SPECULAR,
+     .cause = "a material with specular or specular_color other than 1",
+     .define = "GK_SPECULAR",
+     .source = "KHR_materials_specular",
+     .dial = NO_DIAL,
+     .called = calls_specular},
+    {.name = GLINT_EFFECT_CLEARCOAT,
+     .cause = "a material with clearcoat > 0",
+     .define = "GK_CLEARCOAT",
+     .source = "KHR_materials_clearcoat",
+     .dial = NO_DIAL,
+     .called = calls_clearcoat,
+     .tables = TABLE(ENERGY)},
+    {.name = GLINT_EFFECT_COLLIMATION,
+     .cause = "a material that transmits with collimation < 1",
+     .define = "GK_COLLIMATION",
+     .source = "Walter et al. 2007",
+     .dial = NO_DIAL,
+     .called = calls_collimation},
     {.name = GLINT_EFFECT_TRANSMISSION,
      .cause = "a material with transmission > 0",
      .define = "GK_TRANSMISSION",
@@ -149,6 +188,38 @@ const struct glint_effect glint_effect_table[] = {
      .source = "ARCHITECTURE",
      .dial = NO_DIAL,
      .called = calls_texture_pools},
+    {.name = GLINT_EFFECT_UV1,
+     .cause = "a texture that reads the second coordinates",
+     .define = "GK_UV1",
+     .source = "glTF 2.0, 5.30",
+     .dial = NO_DIAL,
+     .called = calls_uv1,
+     .tables = TABLE(UV1)},
+    {.name = GLINT_EFFECT_TEXTURE_TRANSFORMS,
+     .cause = "a texture with offset, rotation or scale",
+     .define = "GK_TEXTURE_TRANSFORMS",
+     .source = "KHR_texture_transform",
+     .dial = NO_DIAL,
+     .called = calls_texture_transforms},
+    {.name = GLINT_EFFECT_NEAREST_TEXELS,
+     .cause = "a texture that is not interpolated",
+     .define = "GK_NEAREST_TEXELS",
+     .source = "glTF 2.0, 3.8.4.2",
+     .dial = NO_DIAL,
+     .called = calls_nearest_texels},
+    {.name = GLINT_EFFECT_LAYER_TEXTURES,
+     .cause = "a texture of transmission, specular or clearcoat",
+     .define = "GK_LAYER_TEXTURES",
+     .source = "KHR_materials_transmission, _specular, _clearcoat",
+     .dial = NO_DIAL,
+     .called = calls_layer_textures},
+    {.name = GLINT_EFFECT_VERTEX_COLOURS,
+     .cause = "a mesh with vertex colours",
+     .define = "GK_VERTEX_COLOURS",
+     .source = "glTF 2.0, 3.7.2.1",
+     .dial = NO_DIAL,
+     .called = calls_vertex_colours,
+     .tables = TABLE(COLOURS)},
     {.name = GLINT_EFFECT_NORMAL_MAPS,
      .cause = "a material with a normal texture",
      .define = "GK_NORMAL_MAPS",

@@ -1,5 +1,8 @@
 // materials.c - material records, and what they call for.
+#include "kernels/gk_energy.h"
 #include "kernels/gk_fresnel.h"
+#include "kernels/gk_ggx.h"
+#include "scene/energy.h"
 #include "scene/internal.h"
 
 #include <math.h>
@@ -152,8 +155,17 @@ static void note_textures(struct glint_scene_facts *f, const struct glint_reside
     f->normal_maps |= m->normal_texture != GK_NONE || m->coat_normal_texture != GK_NONE;
 }
 
+// Whether it has a reflection that is no mirror's, so that light can meet several facets.
+static bool is_rough(const struct gk_material *m)
+{
+    const bool opaque = m->transmission < 1.0f || m->transmission_texture != GK_NONE;
+    return m->roughness * m->roughness >= GK_ALPHA_DELTA &&
+           (m->metallic > 0.0f || (m->ior != 1.0f && opaque));
+}
+
 static void note_facts(struct glint_scene_facts *f, const struct gk_material *m)
 {
+    f->rough |= is_rough(m);
     f->specular |= (m->flags & GK_MATERIAL_SPECULAR) != 0 && m->ior != 1.0f;
     f->clearcoat |= (m->flags & GK_MATERIAL_COATED) != 0;
     f->microfacet |= m->metallic > 0.0f || m->ior != 1.0f || m->transmission > 0.0f ||
@@ -175,6 +187,17 @@ static uint32_t area_lights(const struct glint_scene *s)
     for (uint32_t i = 0; i < s->lights; i++)
         n += s->light[i].kind == GLINT_LIGHT_AREA;
     return n;
+}
+
+// Forced effects read it too: where no material calls for it, it is there, of zeros.
+static glint_status build_energy(struct glint_resident *r, struct glint_error *err)
+{
+    const size_t bytes = GK_ENERGY_ENTRIES * sizeof(float);
+    const glint_status st =
+        glint_buffer_create(&r->table[GLINT_TABLE_ENERGY], r->devices, bytes, err);
+    if (!st && r->facts.microfacet)
+        memcpy(glint_table_host(r, GLINT_TABLE_ENERGY), glint_energy_table(), bytes);
+    return st;
 }
 
 glint_status glint_resident_build_materials(struct glint_resident *r, struct glint_error *err)
@@ -200,5 +223,5 @@ glint_status glint_resident_build_materials(struct glint_resident *r, struct gli
         note_textures(&r->facts, r, &m[material]);
         r->facts.vertex_colours |= r->row[i].mesh->color && material < s->materials;
     }
-    return GLINT_OK;
+    return build_energy(r, err);
 }

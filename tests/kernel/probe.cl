@@ -110,7 +110,7 @@ GK_INLINE void probe_bsdf(gk_u32 i, GK_GLOBAL gk_u32 *out)
     s.eta = i & 1u ? 1.5f : 1.0f / 1.5f;
     s.fresnel_mean = 0.0918f;
     s.thin = (gk_i32)(i >> 1 & 1u);
-    gk_surface_prepare(&s, wo.z);
+    gk_surface_prepare(&s, wo);
     const struct gk_bsdf_value value = gk_bsdf_eval(&s, wo, probe_direction(i, 9));
     const struct gk_bsdf_sample sample =
         gk_bsdf_sample(&s, wo, probe_uniform(i, 11), probe_uniform(i, 12), probe_uniform(i, 13));

@@ -38,6 +38,14 @@ static inline double exact_fresnel_mean(double eta)
     return sum;
 }
 
+// Unit vector at azimuth `turn` (of 1), rounded once.
+static inline struct gk_vec direction(double cosine, double turn)
+{
+    const double r = sqrt(fmax(0, 1 - cosine * cosine));
+    return gk_vec((float)(r * cos(2 * M_PI * turn)), (float)(r * sin(2 * M_PI * turn)),
+                  (float)cosine);
+}
+
 static inline struct gk_surface make_surface(const struct material *m, float cos_o)
 {
     struct gk_surface s = {0};
@@ -48,16 +56,8 @@ static inline struct gk_surface make_surface(const struct material *m, float cos
     s.eta = m->leaving ? 1.0f / m->ior : m->ior;
     s.fresnel_mean = (float)exact_fresnel_mean(m->ior);
     s.thin = m->thin;
-    gk_surface_prepare(&s, cos_o);
+    gk_surface_prepare(&s, direction(cos_o, 0.2));
     return s;
-}
-
-// Unit vector at azimuth `turn` (of 1), rounded once.
-static inline struct gk_vec direction(double cosine, double turn)
-{
-    const double r = sqrt(fmax(0, 1 - cosine * cosine));
-    return gk_vec((float)(r * cos(2 * M_PI * turn)), (float)(r * sin(2 * M_PI * turn)),
-                  (float)cosine);
 }
 
 static inline struct gk_vec random_direction(uint64_t *seed)
