@@ -124,7 +124,7 @@ const struct glint_field glint_channel_fields[] = {
 };
 
 const struct glint_field glint_medium_fields[] = {
-    GLINT_FIELD(FLOAT, struct glint_medium, density, .high = LOOSE),
+    GLINT_FIELD(FLOAT, struct glint_medium, density, .high = 1e30),
     GLINT_FIELD(FLOAT, struct glint_medium, albedo, .count = 3, .high = 1),
     GLINT_FIELD(FLOAT, struct glint_medium, g, .low = -1, .high = 1),
     GLINT_FIELD_KNOWN("box"),
