@@ -182,6 +182,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/pose_nodes.c \
 	daemon/scene/pose_placements.c \
 	daemon/scene/pose_shape.c \
+	daemon/scene/pose_track.c \
 	daemon/scene/pose_wanted.c \
 	daemon/scene/pose_work.h \
 	daemon/scene/records.c \

@@ -9,6 +9,13 @@
 
 typedef float lanes __attribute__((vector_size(16)));
 
+// No number becomes a bound.
+static inline float bounded(float x)
+{
+    const float least = x > -GLINT_MAX_COORDINATE ? x : -GLINT_MAX_COORDINATE;
+    return least < GLINT_MAX_COORDINATE ? least : GLINT_MAX_COORDINATE;
+}
+
 static inline lanes splat(float x)
 {
     return (lanes){x, x, x, x};
@@ -86,6 +93,8 @@ void glint_pose_morph(const struct glint_mesh *mesh, const double *weight,
                       const struct glint_pose_deformed *out)
 {
     morph(out->position, 3, mesh->position, mesh->target_position, mesh, weight, false);
+    for (size_t i = 0; i < (size_t)3 * mesh->vertices; i++)
+        out->position[i] = bounded(out->position[i]);
     if (out->normal)
         morph(out->normal, 3, mesh->normal, mesh->target_normal, mesh, weight, true);
     if (out->tangent)
@@ -130,7 +139,7 @@ void glint_pose_skin(const struct glint_mesh *mesh, const float *matrix,
         const struct blend b = blend_at(mesh, column, i);
         const lanes p = apply(b.column, from->position + 3 * i) + b.column[3];
         for (int k = 0; k < 3; k++)
-            out->position[3 * i + k] = p[k];
+            out->position[3 * i + k] = bounded(p[k]);
         if (out->normal) {
             const lanes n = apply_cofactors(b.column, from->normal + 3 * i);
             store_unit(out->normal + 3 * i, n[0], n[1], n[2], from->normal + 3 * i);
@@ -140,13 +149,5 @@ void glint_pose_skin(const struct glint_mesh *mesh, const float *matrix,
             store_unit(out->tangent + 4 * i, t[0], t[1], t[2], from->tangent + 4 * i);
             out->tangent[4 * i + 3] = from->tangent[4 * i + 3];
         }
-    }
-}
-
-void glint_pose_bound(float *position, size_t count)
-{
-    for (size_t i = 0; i < 3 * count; i++) {
-        const float x = position[i] > -GLINT_MAX_COORDINATE ? position[i] : -GLINT_MAX_COORDINATE;
-        position[i] = x < GLINT_MAX_COORDINATE ? x : GLINT_MAX_COORDINATE;
     }
 }

@@ -9,16 +9,24 @@ static glint_status no_memory(struct glint_error *err)
     return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the pose of the scene");
 }
 
+static void widen(struct glint_pose_box *b, const float *p)
+{
+    for (int k = 0; k < 3; k++) {
+        b->lo[k] = p[k] < b->lo[k] ? p[k] : b->lo[k];
+        b->hi[k] = p[k] > b->hi[k] ? p[k] : b->hi[k];
+    }
+}
+
 static const struct glint_pose_box *box_of(struct glint_pose_work *w, uint32_t mesh)
 {
     struct glint_pose_box *b = &w->box[mesh];
     const struct glint_mesh *m = &w->scene->mesh[mesh];
-    for (int k = 0; k < 3 && !b->known; k++)
+    if (b->known)
+        return b;
+    for (int k = 0; k < 3; k++)
         b->lo[k] = b->hi[k] = m->position[k];
-    for (size_t i = 0; i < (size_t)3 * m->vertices && !b->known; i++) {
-        b->lo[i % 3] = fmin(b->lo[i % 3], m->position[i]);
-        b->hi[i % 3] = fmax(b->hi[i % 3], m->position[i]);
-    }
+    for (size_t i = 0; i < m->vertices; i++)
+        widen(b, m->position + 3 * i);
     b->known = true;
     return b;
 }

@@ -38,8 +38,10 @@ static double extent_of(const struct glint_mesh *mesh, uint32_t t)
 {
     const float *d = mesh->target_position + (size_t)3 * mesh->vertices * t;
     double most = 0;
-    for (size_t i = 0; i < mesh->vertices; i++, d += 3)
-        most = fmax(most, (double)d[0] * d[0] + (double)d[1] * d[1] + (double)d[2] * d[2]);
+    for (size_t i = 0; i < mesh->vertices; i++, d += 3) {
+        const double square = (double)d[0] * d[0] + (double)d[1] * d[1] + (double)d[2] * d[2];
+        most = square > most ? square : most;
+    }
     return sqrt(most);
 }
 
@@ -119,8 +121,8 @@ static void clear(struct box *b)
 static void include(struct box *b, const double p[3])
 {
     for (int k = 0; k < 3; k++) {
-        b->lo[k] = fmin(b->lo[k], p[k]);
-        b->hi[k] = fmax(b->hi[k], p[k]);
+        b->lo[k] = p[k] < b->lo[k] ? p[k] : b->lo[k];
+        b->hi[k] = p[k] > b->hi[k] ? p[k] : b->hi[k];
     }
 }
 
@@ -306,7 +308,6 @@ static void fill_moment(const struct glint_pose_shape *s, struct filling *f, uin
         fill_matrices(s, f, moment);
         glint_pose_skin(f->mesh, f->matrix, &f->rest, out);
     }
-    glint_pose_bound(out->position, f->mesh->vertices);
 }
 
 static bool prepare_filling(const struct glint_pose_shape *s, struct filling *f)

@@ -107,7 +107,7 @@ glint_status glint_pose_shape_fill(struct glint_pose_shape *shape, struct glint_
                                    const struct glint_pose_nodes *n, uint32_t keys,
                                    struct glint_error *err);
 
-// pose_deform.c
+// pose_deform.c. Positions stay within GLINT_MAX_COORDINATE, whatever overflows.
 struct glint_pose_deformed {
     float *position, *normal, *tangent; // [vertices]; the last two may be NULL
 };
@@ -117,8 +117,6 @@ void glint_pose_morph(const struct glint_mesh *mesh, const double *weight,
 // Blends the joints' matrices, [joints][16] aligned to 16 bytes, over the vertices of `from`.
 void glint_pose_skin(const struct glint_mesh *mesh, const float *matrix,
                      const struct glint_pose_deformed *from, const struct glint_pose_deformed *out);
-// Brings coordinates that overflowed back into bounds.
-void glint_pose_bound(float *position, size_t count);
 
 struct glint_pose_box {
     double lo[3], hi[3];
@@ -139,16 +137,7 @@ struct glint_pose_work {
     double still_bytes, key_bytes; // of transforms: whatever the keys, and for each of them
 };
 
-// pose_instances.c
-// Measure finds the keys needed and the bytes; fill makes the arrays, with pose->keys known.
-// GLINT_E_NOMEM, GLINT_E_RANGE
-glint_status glint_pose_instances_measure(struct glint_pose_work *w, struct glint_error *err);
-glint_status glint_pose_instances_fill(struct glint_pose_work *w, struct glint_error *err);
-
-// pose_placements.c
-void glint_pose_placements_measure(struct glint_pose_work *w);
-glint_status glint_pose_placements_fill(struct glint_pose_work *w, struct glint_error *err);
-
+// pose_track.c
 // What a transform does over the moments.
 struct glint_pose_track {
     glint_pose_matrix m[GLINT_POSE_ALL];
@@ -160,6 +149,16 @@ void glint_pose_track_count(const struct glint_pose_track *t, struct glint_pose_
 // The transforms at the keys, and of flow, which may stay NULL. False without memory.
 bool glint_pose_track_store(const struct glint_pose_track *t, struct glint_pose_work *w,
                             double **transform, double **flow);
+
+// pose_instances.c
+// Measure finds the keys needed and the bytes; fill makes the arrays, with pose->keys known.
+// GLINT_E_NOMEM, GLINT_E_RANGE
+glint_status glint_pose_instances_measure(struct glint_pose_work *w, struct glint_error *err);
+glint_status glint_pose_instances_fill(struct glint_pose_work *w, struct glint_error *err);
+
+// pose_placements.c
+void glint_pose_placements_measure(struct glint_pose_work *w);
+glint_status glint_pose_placements_fill(struct glint_pose_work *w, struct glint_error *err);
 
 // Key k of `keys` is this moment.
 static inline uint32_t glint_pose_moment_of(uint32_t key, uint32_t keys)
