@@ -77,6 +77,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/describe.h \
 	daemon/jobs/jobs.c \
 	daemon/jobs/jobs.h \
+	daemon/jobs/look.c \
+	daemon/jobs/look.h \
 	daemon/jobs/patch.c \
 	daemon/jobs/patch.h \
 	daemon/jobs/scheduler.c \
@@ -117,6 +119,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/data_uri.h \
 	daemon/scene/energy.c \
 	daemon/scene/energy.h \
+	daemon/scene/edit.c \
+	daemon/scene/edit.h \
 	daemon/scene/environment.c \
 	daemon/scene/facts.c \
 	daemon/scene/facts.h \
@@ -185,6 +189,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/pose_track.c \
 	daemon/scene/pose_wanted.c \
 	daemon/scene/pose_work.h \
+	daemon/scene/posed.c \
+	daemon/scene/posed.h \
 	daemon/scene/records.c \
 	daemon/scene/resident.c \
 	daemon/scene/resident.h \

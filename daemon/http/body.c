@@ -14,12 +14,18 @@
 #define SLOWEST_RATE 16384.0            // bytes per second
 #define DROPPED_BYTES ((size_t)1 << 20) // read past the limit so that the answer can be heard
 
+// May be large.
+static bool holds_scene(const struct glint_request *r)
+{
+    return r->route->body == GLINT_BODY_SCENE || r->route->body == GLINT_BODY_SCENE_PATCH;
+}
+
 size_t glint_body_limit(const struct glint_request *r)
 {
     if (!r->route || r->route->body == GLINT_BODY_NONE)
         return 0;
     const struct glint_http_limits *l = &r->http->limits;
-    return r->route->body == GLINT_BODY_SCENE ? l->scene_bytes : l->job_bytes;
+    return holds_scene(r) ? l->scene_bytes : l->job_bytes;
 }
 
 static bool has_type(const char *header, const char *type)
@@ -32,6 +38,7 @@ static bool has_type(const char *header, const char *type)
 static const char *const accepted[][4] = {
     [GLINT_BODY_JOB] = {"application/json"},
     [GLINT_BODY_PATCH] = {"application/merge-patch+json", "application/json"},
+    [GLINT_BODY_SCENE_PATCH] = {"application/merge-patch+json", "application/json"},
     [GLINT_BODY_SCENE] = {"model/gltf-binary", "application/json", "application/octet-stream"},
 };
 
@@ -128,9 +135,9 @@ bool glint_body_accept(struct glint_request *r)
         refuse(r, GLINT_E_BUSY, "too many bodies are under way");
         return false;
     }
-    if (r->route->body == GLINT_BODY_SCENE)
+    if (holds_scene(r))
         r->body.fd = memfd_create("glint-body", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-    if (r->route->body == GLINT_BODY_SCENE && r->body.fd < 0)
+    if (holds_scene(r) && r->body.fd < 0)
         refuse(r, GLINT_E_CAPACITY, "no descriptor for the body");
     return !r->status;
 }

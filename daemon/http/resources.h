@@ -8,6 +8,7 @@
 void glint_http_scenes_list(struct glint_request *r);
 void glint_http_scenes_get(struct glint_request *r);
 void glint_http_scenes_put(struct glint_request *r);
+void glint_http_scenes_patch(struct glint_request *r);
 void glint_http_scenes_delete(struct glint_request *r);
 
 // jobs.c

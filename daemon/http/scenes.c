@@ -17,11 +17,15 @@ void glint_http_scenes_list(struct glint_request *r)
     glint_answer_json(r, MHD_HTTP_OK, glint_store_list(r->http->store));
 }
 
-static void answer_resource(struct glint_request *r, int status, const glint_revision *revision)
+// Takes `changes`, a member more, which may be NULL.
+static void answer_resource(struct glint_request *r, int status, const glint_revision *revision,
+                            cJSON *changes)
 {
     char etag[ETAG_BYTES];
     revision_etag(revision, "", etag);
     cJSON *json = glint_revision_resource(revision);
+    if (!json || (changes && !cJSON_AddItemToObject(json, "changes", changes)))
+        cJSON_Delete(changes);
     char *text = json ? cJSON_PrintUnformatted(json) : NULL;
     cJSON_Delete(json);
     if (!text) {
@@ -61,7 +65,7 @@ void glint_http_scenes_get(struct glint_request *r)
         if (format)
             answer_native(r, revision);
         else
-            answer_resource(r, MHD_HTTP_OK, revision);
+            answer_resource(r, MHD_HTTP_OK, revision, NULL);
     }
     glint_revision_release(&revision);
 }
@@ -129,9 +133,26 @@ void glint_http_scenes_put(struct glint_request *r)
         glint_answer_error(r, &err);
         return;
     }
-    answer_resource(r, created ? MHD_HTTP_CREATED : MHD_HTTP_OK, revision);
+    answer_resource(r, created ? MHD_HTTP_CREATED : MHD_HTTP_OK, revision, NULL);
     if (created)
         glint_answer_header(r, "Location", "/v1/scenes/%s", r->argument[0]);
+    glint_revision_release(&revision);
+}
+
+void glint_http_scenes_patch(struct glint_request *r)
+{
+    struct glint_error err = {0};
+    glint_revision *revision = NULL;
+    struct glint_patch_report report;
+    char must[ETAG_BYTES];
+    if (!check_conditions(r, must))
+        return;
+    glint_store_patch(r->http->store, r->argument[0], glint_body_text(r), r->body.length,
+                      *must ? must : NULL, &revision, &report, &err);
+    if (err.count)
+        glint_answer_error(r, &err);
+    else
+        answer_resource(r, MHD_HTTP_OK, revision, glint_patch_describe(&report));
     glint_revision_release(&revision);
 }
 

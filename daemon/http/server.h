@@ -16,6 +16,7 @@ enum glint_lane {
     GLINT_LANE_NOW,    // in the library's thread: looks something up, no more
     GLINT_LANE_CALL,   // asks other threads and waits for their answer
     GLINT_LANE_LOAD,   // imports and deletes scenes
+    GLINT_LANE_EDIT,   // patches scenes: not behind an import
     GLINT_LANE_FRAME,  // snapshots and encodes
     GLINT_LANE_STREAM, // fills streams
     GLINT_LANES

@@ -81,8 +81,9 @@ static struct glint_blob *join(const struct glint_multipart_head *head, uint8_t 
     return glint_blob_take(bytes, length + head->length);
 }
 
-// The part at the cursor; NULL: the stream has to end.
-static struct glint_blob *make_part(struct tiles *s, const struct glint_job_view *view)
+// The part at the cursor, NULL where the tile has no samples any more, because a live job has just
+// moved. False: the stream has to end.
+static bool make_part(struct tiles *s, const struct glint_job_view *view, struct glint_blob **out)
 {
     const uint32_t tile = (uint32_t)(s->cursor % glint_render_tiles(view->render));
     struct glint_multipart_head head = {
@@ -93,10 +94,15 @@ static struct glint_blob *make_part(struct tiles *s, const struct glint_job_view
         glint_log(GLINT_LOG_WARNING, "http", s->job, NULL, "tile stream ends: %s",
                   glint_error_text(&err));
         glint_error_finish(&err);
-        return NULL;
+        return false;
+    }
+    if (!head.samples) {
+        free(body);
+        return true;
     }
     glint_render_tile_rect(view->render, tile, head.tile);
-    return join(&head, body);
+    *out = join(&head, body);
+    return *out;
 }
 
 // Several clients of one job are sent the same parts: each is made once.
@@ -106,14 +112,13 @@ static bool add_part(struct tiles *s, const struct glint_job_view *view)
     char key[64];
     snprintf(key, sizeof key, "%s %llu", s->job, (unsigned long long)s->cursor);
     struct glint_blob *part = glint_frames_find(parts, key);
-    if (!part) {
-        part = make_part(s, view);
-        if (part)
-            glint_frames_keep(parts, key, part);
-    }
-    const bool added = part && glint_stream_add(&s->stream, part->bytes, part->size);
+    bool more = true;
+    if (!part && (more = make_part(s, view, &part)) && part)
+        glint_frames_keep(parts, key, part);
+    if (part)
+        more = glint_stream_add(&s->stream, part->bytes, part->size);
     glint_blob_release(&part);
-    return added;
+    return more;
 }
 
 // False: the stream ends.

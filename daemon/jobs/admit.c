@@ -39,9 +39,10 @@ static bool has_camera(const struct glint_scene *scene, const char *name)
     return false;
 }
 
-static glint_status check_camera(const struct glint_scene *scene, const struct glint_job *job,
-                                 struct glint_error *err)
+glint_status glint_admit_camera(const glint_revision *revision, const struct glint_job *job,
+                                struct glint_error *err)
 {
+    const struct glint_scene *scene = glint_resident_scene(glint_revision_resident(revision));
     if (job->has_camera || !job->camera_name || has_camera(scene, job->camera_name))
         return GLINT_OK;
     return glint_fail(err, GLINT_E_RANGE, "/camera",
@@ -150,8 +151,13 @@ glint_status glint_admit(struct glint_entry **out, glint_store *store, struct gl
     glint_status st = check_key(key, err);
     const glint_status found = find_scene(&revision, store, job->scene, err);
     st = st ? st : found;
-    if (!st)
-        st = check_camera(glint_resident_scene(glint_revision_resident(revision)), job, err);
+    if (!st) {
+        struct glint_pose_request request;
+        const struct glint_scene *scene = glint_resident_scene(glint_revision_resident(revision));
+        st = glint_admit_camera(revision, job, err);
+        const glint_status posed = glint_posed_request(&request, scene, job, err);
+        st = st ? st : posed;
+    }
     struct glint_entry *e = st ? NULL : new_entry(job, key);
     if (!st && !e)
         st = glint_fail(err, GLINT_E_NOMEM, "", "no memory for a job");

@@ -11,4 +11,8 @@
 glint_status glint_admit(struct glint_entry **out, glint_store *store, struct glint_job *job,
                          const char *key, struct glint_error *err);
 
+// The camera that `job` names is in the revision.
+glint_status glint_admit_camera(const glint_revision *revision, const struct glint_job *job,
+                                struct glint_error *err);
+
 #endif

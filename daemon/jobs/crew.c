@@ -7,18 +7,25 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#define MOVER_ORDERS 256
+
 struct order {
     struct glint_entry *entry; // alive while a slice of it is out
     struct glint_slice slice;
 };
 
+// For the preparer or the mover.
 struct preparation {
-    struct glint_entry *entry, *gone;
+    struct glint_entry *entry, *gone; // entry NULL: `view` and `revision` are to be released
+    glint_revision *revision;         // retained
+    struct glint_look *look;          // retained, or NULL
+    glint_view *view;
 };
 
 struct member {
     glint_queue *orders, *inbox;
     glint_devices *devices;
+    glint_store *store;
     uint32_t index;
     pthread_t thread;
     bool started;
@@ -26,8 +33,8 @@ struct member {
 
 struct glint_crew {
     uint32_t workers;
-    struct member preparer; // its orders are struct preparation
-    struct member worker[]; // [workers]; orders are struct order
+    struct member preparer, mover; // their orders are struct preparation
+    struct member worker[];        // [workers]; orders are struct order
 };
 
 static void *work(void *arg)
@@ -51,9 +58,46 @@ static void *work(void *arg)
 
 static void drop(struct glint_message *answer)
 {
+    glint_view_release(&answer->view);
     glint_render_destroy(&answer->render);
+    glint_revision_release(&answer->revision);
     glint_error_finish(&answer->error);
     glint_entry_release(&answer->entry);
+}
+
+// What the order's job shows: its own revision or, of a live job, the newest of the scene's name.
+static glint_revision *choose_revision(const struct member *m, const struct preparation *order)
+{
+    glint_revision *newest = NULL;
+    const struct glint_job *job = order->entry->job;
+    if (job->live && !glint_store_get(m->store, job->scene, &newest, NULL))
+        return newest;
+    return glint_revision_retain(order->revision);
+}
+
+// Makes the render or, where there is one, its next view.
+static glint_status make(const struct member *m, const struct preparation *order,
+                         glint_render *render, struct glint_message *answer)
+{
+    const struct glint_job job = glint_look_apply(order->look, order->entry->job);
+    struct glint_posed posed;
+    answer->revision = choose_revision(m, order);
+    glint_status st = glint_revision_pose(answer->revision, &job, &posed, &answer->error);
+    if (st)
+        return st;
+    st = render ? glint_render_move(&answer->view, render, posed.resident, posed.pose, &job,
+                                    &answer->error)
+                : glint_render_create(&answer->render, m->devices, posed.resident, posed.pose, &job,
+                                      &answer->error);
+    glint_resident_release(&posed.resident);
+    return st;
+}
+
+static void finish(struct preparation *order)
+{
+    glint_view_release(&order->view);
+    glint_revision_release(&order->revision);
+    glint_look_release(&order->look);
 }
 
 static void *prepare(void *arg)
@@ -65,11 +109,24 @@ static void *prepare(void *arg)
         struct glint_message answer = {.kind = GLINT_MESSAGE_PREPARED, .entry = entry};
         // Relaxed: a hint that saves work; the scheduler decides what becomes of the answer.
         if (!atomic_load_explicit(&entry->abandoned, memory_order_relaxed))
-            answer.status = glint_render_create(&answer.render, m->devices,
-                                                glint_revision_resident(entry->revision), NULL,
-                                                entry->job, &answer.error);
+            answer.status = make(m, &order, NULL, &answer);
         if (atomic_load_explicit(&entry->abandoned, memory_order_relaxed))
             glint_render_destroy(&answer.render);
+        finish(&order);
+        if (!glint_queue_push(m->inbox, &answer))
+            drop(&answer);
+    }
+    return NULL;
+}
+
+static void *move(void *arg)
+{
+    const struct member *m = arg;
+    for (struct preparation order; glint_queue_pop(m->orders, &order); finish(&order)) {
+        if (!order.entry)
+            continue;
+        struct glint_message answer = {.kind = GLINT_MESSAGE_MOVED, .entry = order.entry};
+        answer.status = make(m, &order, order.entry->render, &answer);
         if (!glint_queue_push(m->inbox, &answer))
             drop(&answer);
     }
@@ -95,8 +152,8 @@ static void stop(struct member *m)
     glint_queue_destroy(&m->orders);
 }
 
-glint_status glint_crew_create(glint_crew **out, glint_devices *devices, glint_queue *inbox,
-                               struct glint_error *err)
+glint_status glint_crew_create(glint_crew **out, glint_devices *devices, glint_store *store,
+                               glint_queue *inbox, struct glint_error *err)
 {
     *out = NULL;
     const uint32_t workers = glint_devices_workers(devices);
@@ -104,9 +161,12 @@ glint_status glint_crew_create(glint_crew **out, glint_devices *devices, glint_q
     if (!crew)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u workers", workers);
     crew->workers = workers;
-    crew->preparer = (struct member){.inbox = inbox, .devices = devices};
+    crew->preparer = (struct member){.inbox = inbox, .devices = devices, .store = store};
+    crew->mover = crew->preparer;
     glint_status st =
         start(&crew->preparer, "prepare", 1, sizeof(struct preparation), prepare, err);
+    if (!st)
+        st = start(&crew->mover, "move", MOVER_ORDERS, sizeof(struct preparation), move, err);
     for (uint32_t i = 0; !st && i < workers; i++) {
         char name[24];
         snprintf(name, sizeof name, "worker %u", i);
@@ -127,6 +187,7 @@ void glint_crew_destroy(glint_crew **crew)
     for (uint32_t i = 0; i < c->workers; i++)
         stop(&c->worker[i]);
     stop(&c->preparer);
+    stop(&c->mover);
     free(c);
     *crew = NULL;
 }
@@ -156,10 +217,35 @@ bool glint_crew_recall(glint_crew *crew, uint32_t worker, struct glint_entry **e
     return true;
 }
 
+static struct preparation about(struct glint_entry *entry, struct glint_entry *gone)
+{
+    return (struct preparation){.entry = glint_entry_retain(entry),
+                                .gone = gone,
+                                .revision = glint_revision_retain(entry->revision),
+                                .look = glint_look_retain(entry->look)};
+}
+
 void glint_crew_prepare(glint_crew *crew, struct glint_entry *entry, struct glint_entry *gone)
 {
-    const struct preparation order = {glint_entry_retain(entry), gone};
+    const struct preparation order = about(entry, gone);
     const bool room = glint_queue_offer(crew->preparer.orders, &order);
     assert(room);
     (void)room;
+}
+
+void glint_crew_move(glint_crew *crew, struct glint_entry *entry)
+{
+    const struct preparation order = about(entry, NULL);
+    glint_queue_push(crew->mover.orders, &order); // waits, if ever, while something is released
+}
+
+void glint_crew_dispose(glint_crew *crew, glint_view **view, glint_revision **revision)
+{
+    struct preparation order = {.view = *view, .revision = *revision};
+    *view = NULL;
+    *revision = NULL;
+    if (!order.view && !order.revision)
+        return;
+    if (!crew || !glint_queue_offer(crew->mover.orders, &order))
+        finish(&order);
 }

@@ -1,4 +1,5 @@
-// crew.h - the threads that work for the scheduler: one per device worker, and one that prepares.
+// crew.h - the threads that work for the scheduler: one per device worker, one that prepares new
+// jobs and one that prepares the moves of live ones.
 //
 // They take an order from a bounded queue and answer into the scheduler's inbox; they decide
 // nothing. The scheduler counts what it hands out, so an order never finds a queue full; an answer
@@ -13,14 +14,21 @@
 
 #define GLINT_CREW_DEPTH 2 // orders per worker: one that runs and one that waits
 
-enum glint_message_kind { GLINT_MESSAGE_COMMAND, GLINT_MESSAGE_PREPARED, GLINT_MESSAGE_RETURNED };
+enum glint_message_kind {
+    GLINT_MESSAGE_COMMAND,
+    GLINT_MESSAGE_PREPARED,
+    GLINT_MESSAGE_MOVED,
+    GLINT_MESSAGE_RETURNED
+};
 
 // What reaches the scheduler's inbox.
 struct glint_message {
     enum glint_message_kind kind;
     struct glint_command *command; // COMMAND
-    struct glint_entry *entry;     // others; PREPARED: with a reference
+    struct glint_entry *entry;     // others; PREPARED, MOVED: with a reference
     glint_render *render;          // PREPARED: the receiver's, NULL if there is none
+    glint_view *view;              // MOVED: the receiver's, NULL if there is none
+    glint_revision *revision;      // of render or view, the receiver's
     uint32_t worker;               // RETURNED
     struct glint_slice slice;      // RETURNED
     double seconds;                // RETURNED: of the worker
@@ -31,8 +39,9 @@ struct glint_message {
 typedef struct glint_crew glint_crew;
 
 // Starts the threads. `inbox` takes struct glint_message and outlives the crew.
-glint_status glint_crew_create(glint_crew **out, glint_devices *devices, glint_queue *inbox,
-                               struct glint_error *err);
+// Live jobs find their newest revision in `store`.
+glint_status glint_crew_create(glint_crew **out, glint_devices *devices, glint_store *store,
+                               glint_queue *inbox, struct glint_error *err);
 // Lets orders out be finished, ends the threads. What they answer after the inbox was closed is
 // freed here.
 void glint_crew_destroy(glint_crew **crew);
@@ -49,5 +58,12 @@ bool glint_crew_recall(glint_crew *crew, uint32_t worker, struct glint_entry **e
 // Orders the entry's render to be made. Takes a reference. At most one may be out.
 // gone: a list by `next` of entries to be released before, to make room; takes their references.
 void glint_crew_prepare(glint_crew *crew, struct glint_entry *entry, struct glint_entry *gone);
+
+// Orders what a live job shows next to be made: the newest revision seen by its camera. Takes a
+// reference. At most one may be out.
+void glint_crew_move(glint_crew *crew, struct glint_entry *entry);
+
+// Has a view and a revision released, which takes a while; stores NULL. The crew may be NULL.
+void glint_crew_dispose(glint_crew *crew, glint_view **view, glint_revision **revision);
 
 #endif

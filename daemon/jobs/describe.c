@@ -5,6 +5,8 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 // The shared fields of an entry at one moment.
 struct moment {
@@ -13,15 +15,28 @@ struct moment {
     int32_t priority;
     double stop_seconds, seconds, worker_seconds;
     uint64_t sequence;
+    bool idle;
+    char revision[65];
+    struct glint_look *look; // retained, or NULL
+    char *trouble;           // a copy, or NULL
 };
 
 static void look(struct glint_job_table *table, const struct glint_entry *e, struct moment *out)
 {
     const double now = glint_now();
     pthread_mutex_lock(&table->mutex);
-    *out = (struct moment){
-        e->state,          e->render,  e->priority, e->stop_seconds, glint_entry_seconds(e, now),
-        e->worker_seconds, e->sequence};
+    *out = (struct moment){e->state,
+                           e->render,
+                           e->priority,
+                           e->stop_seconds,
+                           glint_entry_seconds(e, now),
+                           e->worker_seconds,
+                           e->sequence,
+                           e->state == GLINT_JOB_RENDERING && isnan(e->since),
+                           "",
+                           glint_look_retain(e->look),
+                           e->trouble ? strdup(e->trouble) : NULL};
+    strcpy(out->revision, glint_revision_id(e->revision));
     pthread_mutex_unlock(&table->mutex);
 }
 
@@ -45,7 +60,7 @@ static double progress(const struct moment *m, const struct glint_render_state *
 // Seconds to the stop that comes first, each at the pace up to now; NAN: nobody knows.
 static double eta(const struct moment *m, const struct glint_render_state *r)
 {
-    if (glint_state_ended(m->state))
+    if (glint_state_ended(m->state) || m->idle)
         return 0;
     if (m->state != GLINT_JOB_RENDERING)
         return NAN;
@@ -93,13 +108,23 @@ static void add_job(cJSON *object, const struct glint_entry *e, const struct mom
     cJSON_DeleteItemFromObjectCaseSensitive(stop, "seconds");
     if (m->stop_seconds > 0)
         cJSON_AddNumberToObject(stop, "seconds", m->stop_seconds);
+    if (m->look)
+        cJSON_DeleteItemFromObjectCaseSensitive(job, "camera");
+    if (m->look && !cJSON_IsNull(m->look->camera))
+        cJSON_AddItemToObject(job, "camera", cJSON_Duplicate(m->look->camera, true));
     cJSON_AddItemToObject(object, "job", job);
 }
 
-cJSON *glint_entry_describe(struct glint_job_table *table, const struct glint_entry *e)
+static void add_warnings(cJSON *object, const struct glint_entry *e, const struct moment *m)
 {
-    struct moment m;
-    look(table, e, &m);
+    cJSON *warnings = cJSON_Duplicate(e->warnings, true);
+    if (m->trouble)
+        cJSON_AddItemToArray(warnings, cJSON_CreateString(m->trouble));
+    cJSON_AddItemToObject(object, "warnings", warnings);
+}
+
+static cJSON *describe(const struct glint_entry *e, const struct moment *m)
+{
     cJSON *object = cJSON_CreateObject();
     if (!object)
         return NULL;
@@ -108,15 +133,25 @@ cJSON *glint_entry_describe(struct glint_job_table *table, const struct glint_en
     cJSON_AddStringToObject(object, "id", e->id);
     cJSON_AddStringToObject(object, "name", e->job->name ? e->job->name : "");
     cJSON_AddStringToObject(object, "scene", e->job->scene);
-    cJSON_AddStringToObject(object, "revision", glint_revision_id(e->revision));
-    cJSON_AddStringToObject(object, "state", glint_job_state_name(m.state));
-    cJSON_AddNumberToObject(object, "priority", m.priority);
-    add_render(object, &m);
+    cJSON_AddStringToObject(object, "revision", m->revision);
+    cJSON_AddStringToObject(object, "state", glint_job_state_name(m->state));
+    cJSON_AddNumberToObject(object, "priority", m->priority);
+    add_render(object, m);
     cJSON_AddStringToObject(object, "plan", plan);
-    if (m.state == GLINT_JOB_FAILED) // from then on nobody changes the problem
+    if (m->state == GLINT_JOB_FAILED) // from then on nobody changes the problem
         cJSON_AddItemToObject(object, "problem", glint_problem_object(&e->problem, NULL, NULL));
-    cJSON_AddItemToObject(object, "warnings", cJSON_Duplicate(e->warnings, true));
+    add_warnings(object, e, m);
     cJSON_AddStringToObject(object, "created", e->created);
-    add_job(object, e, &m);
+    add_job(object, e, m);
+    return object;
+}
+
+cJSON *glint_entry_describe(struct glint_job_table *table, const struct glint_entry *e)
+{
+    struct moment m;
+    look(table, e, &m);
+    cJSON *object = describe(e, &m);
+    glint_look_release(&m.look);
+    free(m.trouble);
     return object;
 }

@@ -14,6 +14,19 @@ struct glint_jobs {
     glint_scheduler *scheduler;
 };
 
+// Must not be refused, or a live job would stay behind: a full inbox empties at once.
+static void tell(glint_jobs *jobs, struct glint_command *command)
+{
+    while (glint_scheduler_call(jobs->scheduler, command) == GLINT_E_BUSY) {
+    }
+}
+
+static void scene_changed(void *user, const char *name)
+{
+    struct glint_command command = {.kind = GLINT_COMMAND_SCENE, .scene = name};
+    tell(user, &command);
+}
+
 glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_store *store,
                                uint64_t film_bytes, struct glint_error *err)
 {
@@ -24,9 +37,11 @@ glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_s
     jobs->store = store;
     glint_job_table_init(&jobs->table);
     const glint_status st =
-        glint_scheduler_create(&jobs->scheduler, devices, &jobs->table, film_bytes, err);
+        glint_scheduler_create(&jobs->scheduler, devices, store, &jobs->table, film_bytes, err);
     if (st)
         glint_jobs_destroy(&jobs);
+    else
+        glint_store_on_publish(store, scene_changed, jobs);
     *out = jobs;
     return st;
 }
@@ -35,6 +50,7 @@ void glint_jobs_destroy(glint_jobs **jobs)
 {
     if (!*jobs)
         return;
+    glint_store_on_publish((*jobs)->store, NULL, NULL);
     glint_scheduler_destroy(&(*jobs)->scheduler);
     glint_job_table_finish(&(*jobs)->table);
     free(*jobs);
@@ -44,9 +60,7 @@ void glint_jobs_destroy(glint_jobs **jobs)
 void glint_jobs_on_change(glint_jobs *jobs, void (*changed)(void *user), void *user)
 {
     struct glint_command command = {.kind = GLINT_COMMAND_WATCH, .changed = changed, .user = user};
-    while (glint_scheduler_call(jobs->scheduler, &command) == GLINT_E_BUSY) {
-        // A full inbox empties at once; who unregisters must not go on before it is done.
-    }
+    tell(jobs, &command); // who unregisters must not go on before it is done
 }
 
 // A repeated submission: `known` has the key. Consumes the hold on it.
@@ -183,12 +197,43 @@ glint_status glint_jobs_delete(glint_jobs *jobs, const char *id, bool *forgotten
     return st;
 }
 
+// The revision that the entry is at, retained.
+static glint_revision *hold_revision(glint_jobs *jobs, const struct glint_entry *entry)
+{
+    pthread_mutex_lock(&jobs->table.mutex);
+    glint_revision *revision = glint_revision_retain(entry->revision);
+    pthread_mutex_unlock(&jobs->table.mutex);
+    return revision;
+}
+
+static glint_status check_look(glint_jobs *jobs, const char *id, const struct glint_look *look,
+                               struct glint_error *err)
+{
+    struct glint_entry *entry = glint_job_table_hold(&jobs->table, id, err);
+    if (!entry)
+        return GLINT_E_NOT_FOUND;
+    glint_revision *revision = hold_revision(jobs, entry);
+    const struct glint_job job = glint_look_apply(look, entry->job);
+    const glint_status st = entry->job->live
+                                ? glint_admit_camera(revision, &job, err)
+                                : glint_fail(err, GLINT_E_RANGE, "/camera",
+                                             "only the camera of a live job can be moved");
+    glint_revision_release(&revision);
+    glint_entry_release(&entry);
+    return st;
+}
+
 glint_status glint_jobs_patch(glint_jobs *jobs, const char *id, const char *text, size_t length,
                               struct glint_error *err)
 {
     struct glint_command c = {.kind = GLINT_COMMAND_PATCH, .err = err};
-    const glint_status st = glint_job_patch_parse(&c.patch, text, length, err);
-    return st ? st : command(jobs, id, &c);
+    glint_status st = glint_job_patch_parse(&c.patch, text, length, err);
+    if (!st && c.patch.look)
+        st = check_look(jobs, id, c.patch.look, err);
+    if (!st)
+        st = command(jobs, id, &c);
+    glint_job_patch_finish(&c.patch);
+    return st;
 }
 
 glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_view *out,
@@ -202,9 +247,9 @@ glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_
     *out = (struct glint_job_view){.render = entry->render,
                                    .state = entry->state,
                                    .job = entry->job,
-                                   .revision = glint_revision_id(entry->revision),
                                    .sequence = entry->sequence,
                                    .hold = entry};
+    strcpy(out->revision, glint_revision_id(entry->revision));
     pthread_mutex_unlock(&jobs->table.mutex);
     if (out->render || glint_state_ended(out->state))
         return GLINT_OK;

@@ -4,6 +4,11 @@
 // worker runs slices; one preparer compiles programs and allocates films. Jobs of equal priority
 // share the workers in turns of one slice; a higher priority is served first from the next slice.
 //
+// A live job is never done: when it has reached its stop it idles, and it starts again with the
+// newest revision of its scene, or seen by another camera, as soon as its slices out are back. Of
+// several changes that come meanwhile the last counts. Where it cannot follow it stays at what it
+// shows, and a warning says why.
+//
 // Threads: create/destroy by main; every other call by any thread (they post to the scheduler or
 // read under the table's mutex; none waits for a render).
 #ifndef GLINT_JOBS_JOBS_H
@@ -64,8 +69,9 @@ cJSON *glint_jobs_list(glint_jobs *jobs);
 glint_status glint_jobs_delete(glint_jobs *jobs, const char *id, bool *forgotten,
                                struct glint_error *err);
 
-// PATCH: merge patch of `priority`, `paused`, `stop`; unknown members are faults. GLINT_E_CONFLICT
-// when the job has ended, except that one that stopped by time goes on when it is given more.
+// PATCH: merge patch of `priority`, `paused`, `stop` and, of a live job, `camera`; unknown members
+// are faults. GLINT_E_CONFLICT when the job has ended, except that one that stopped by time goes on
+// when it is given more.
 glint_status glint_jobs_patch(glint_jobs *jobs, const char *id, const char *text, size_t length,
                               struct glint_error *err);
 
@@ -75,7 +81,7 @@ struct glint_job_view {
     glint_render *render; // NULL: the job ended before it had one
     enum glint_job_state state;
     const struct glint_job *job;
-    const char *revision;
+    char revision[65];
     uint64_t sequence; // grows with every change of this job
     void *hold;
 };

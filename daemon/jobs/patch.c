@@ -42,7 +42,7 @@ static void read_stop(const struct glint_json *stop, struct glint_job_patch *out
 glint_status glint_job_patch_parse(struct glint_job_patch *out, const char *text, size_t length,
                                    struct glint_error *err)
 {
-    static const char *const known[] = {"priority", "paused", "stop", NULL};
+    static const char *const known[] = {"priority", "paused", "stop", "camera", NULL};
     *out = (struct glint_job_patch){0};
     struct glint_error faults = {0};
     cJSON *value;
@@ -57,8 +57,18 @@ glint_status glint_job_patch_parse(struct glint_job_patch *out, const char *text
     out->has_priority = named(&priority, read_priority, &out->priority);
     out->has_paused = named(&paused, read_paused, &out->paused);
     read_stop(&stop, out);
+    const struct glint_json camera = glint_json_member(&root, "camera");
+    if (camera.value)
+        glint_look_parse(&out->look, camera.value, root.err);
     st = root.err->status;
     cJSON_Delete(value);
     glint_error_finish(&faults);
+    if (st)
+        glint_job_patch_finish(out);
     return st;
+}
+
+void glint_job_patch_finish(struct glint_job_patch *patch)
+{
+    glint_look_release(&patch->look);
 }

@@ -29,6 +29,7 @@ struct glint_scheduler {
     size_t lives;
     uint32_t *load; // [workers] orders out
     bool preparing; // the preparer has an order
+    bool moving;    // the mover has one
     bool news;      // a state or description is another: `changed` is called at once
     bool pixels;    // new pixels: `changed` is called PIXEL_SECONDS after it was the last time
     double told;    // glint_now() of that
@@ -90,6 +91,7 @@ static void settle(glint_scheduler *s, struct glint_entry *e)
     e->end = GLINT_JOB_QUEUED;
     remove_live(s, e);
     unblock(s);
+    glint_crew_dispose(s->crew, &e->next_view, &e->next_revision);
     glint_revision_use(e->revision, -1);
     glint_log(e->state == GLINT_JOB_FAILED ? GLINT_LOG_WARNING : GLINT_LOG_INFO, "jobs", e->id,
               NULL, "%s after %.3f s%s%s", glint_job_state_name(e->state), e->render_seconds,
@@ -129,11 +131,37 @@ static void fail(glint_scheduler *s, struct glint_entry *e, struct glint_error *
     end(s, e, GLINT_JOB_FAILED);
 }
 
+// A live job that has reached its stop waits for something else to show.
+static void idle(glint_scheduler *s, struct glint_entry *e)
+{
+    if (e->idle)
+        return;
+    glint_state_idle(s->table, e, true);
+    recall(s);
+    s->news = true;
+}
+
 static void end_if_complete(glint_scheduler *s, struct glint_entry *e)
 {
-    if (!glint_state_ended(e->state) && e->end == GLINT_JOB_QUEUED && !e->out &&
-        glint_render_complete(e->render))
+    if (glint_state_ended(e->state) || e->end != GLINT_JOB_QUEUED || e->out ||
+        !glint_render_complete(e->render))
+        return;
+    if (e->job->live)
+        idle(s, e);
+    else
         end(s, e, GLINT_JOB_DONE);
+}
+
+// The live job shows what was made for it. Nothing of it is out.
+static void change_view(glint_scheduler *s, struct glint_entry *e)
+{
+    glint_render_restart(e->render, &e->next_view);
+    glint_revision_use(e->next_revision, 1);
+    glint_revision_use(e->revision, -1);
+    glint_state_moved(s->table, e, &e->next_revision);
+    glint_crew_dispose(s->crew, &e->next_view, &e->next_revision);
+    glint_turn_join(s->live, s->lives, e);
+    s->news = true;
 }
 
 // Commands.
@@ -191,6 +219,8 @@ static void set_paused(glint_scheduler *s, struct glint_entry *e, bool paused)
     if (paused == (e->state == GLINT_JOB_PAUSED))
         return;
     enter(s, e, paused ? GLINT_JOB_PAUSED : e->began ? GLINT_JOB_RENDERING : GLINT_JOB_QUEUED);
+    if (e->idle)
+        glint_state_idle(s->table, e, true);
     recall(s);
     if (!paused)
         glint_turn_join(s->live, s->lives, e);
@@ -225,6 +255,14 @@ static glint_status patch_ended(glint_scheduler *s, struct glint_command *c)
     return GLINT_OK;
 }
 
+static void set_seconds(glint_scheduler *s, struct glint_entry *e, double seconds)
+{
+    glint_state_stop_seconds(s->table, e, seconds);
+    const bool more = !seconds || seconds > e->render_seconds;
+    if (e->idle && more && !glint_render_complete(e->render))
+        glint_state_idle(s->table, e, false);
+}
+
 static glint_status patch(glint_scheduler *s, struct glint_command *c)
 {
     struct glint_entry *e = c->entry;
@@ -236,7 +274,11 @@ static glint_status patch(glint_scheduler *s, struct glint_command *c)
         return glint_fail(c->err, GLINT_E_CONFLICT, "", "the job is about to be %s",
                           glint_job_state_name(e->end));
     if (c->patch.has_seconds)
-        glint_state_stop_seconds(s->table, e, c->patch.seconds);
+        set_seconds(s, e, c->patch.seconds);
+    if (c->patch.look) {
+        glint_state_look(s->table, e, &c->patch.look);
+        e->stale = glint_now();
+    }
     if (c->patch.has_priority && c->patch.priority != e->priority) {
         glint_state_priority(s->table, e, c->patch.priority);
         glint_turn_join(s->live, s->lives, e);
@@ -246,6 +288,13 @@ static glint_status patch(glint_scheduler *s, struct glint_command *c)
         set_paused(s, e, c->patch.paused);
     s->news = true;
     return GLINT_OK;
+}
+
+static void scene_changed(glint_scheduler *s, const char *scene)
+{
+    for (size_t i = 0; i < s->lives; i++)
+        if (s->live[i]->job->live && !strcmp(s->live[i]->job->scene, scene))
+            s->live[i]->stale = glint_now();
 }
 
 static void begin_stop(glint_scheduler *s)
@@ -267,6 +316,9 @@ static void obey(glint_scheduler *s, struct glint_command *c)
         break;
     case GLINT_COMMAND_PATCH:
         c->status = patch(s, c);
+        break;
+    case GLINT_COMMAND_SCENE:
+        scene_changed(s, c->scene);
         break;
     case GLINT_COMMAND_WATCH:
         s->changed = c->changed;
@@ -313,12 +365,47 @@ static void prepared(glint_scheduler *s, struct glint_message *m)
     } else if (m->status) {
         not_prepared(s, e, m);
     } else {
+        if (m->revision != e->revision) {
+            glint_revision_use(m->revision, 1);
+            glint_revision_use(e->revision, -1);
+            glint_state_moved(s->table, e, &m->revision);
+        }
         glint_state_prepared(s->table, e, &m->render);
         glint_turn_join(s->live, s->lives, e);
         recall(s);
         s->news = true;
         end_if_complete(s, e);
     }
+    glint_crew_dispose(s->crew, &m->view, &m->revision);
+    glint_entry_release(&m->entry);
+}
+
+static void stay(glint_scheduler *s, struct glint_entry *e, struct glint_error *error)
+{
+    const char *why = glint_error_text(error);
+    glint_log(GLINT_LOG_WARNING, "jobs", e->id, NULL, "cannot move: %s", why);
+    glint_state_trouble(s->table, e, strdup(why));
+    glint_error_finish(error);
+    s->news = true;
+}
+
+static void moved(glint_scheduler *s, struct glint_message *m)
+{
+    struct glint_entry *e = m->entry;
+    s->moving = false;
+    if (m->status) {
+        stay(s, e, &m->error);
+    } else if (e->end == GLINT_JOB_QUEUED && !glint_state_ended(e->state)) {
+        glint_crew_dispose(s->crew, &e->next_view, &e->next_revision); // superseded
+        e->next_view = m->view;
+        e->next_revision = m->revision;
+        m->view = NULL;
+        m->revision = NULL;
+        recall(s);
+        if (!e->out)
+            change_view(s, e);
+    }
+    glint_crew_dispose(s->crew, &m->view, &m->revision);
     glint_entry_release(&m->entry);
 }
 
@@ -335,6 +422,8 @@ static void returned(glint_scheduler *s, struct glint_message *m)
         fail(s, e, &m->error);
     if (e->end != GLINT_JOB_QUEUED && !e->out && !glint_state_ended(e->state))
         settle(s, e);
+    else if (e->next_view && !e->out)
+        change_view(s, e);
     else
         end_if_complete(s, e);
 }
@@ -347,6 +436,9 @@ static void handle(glint_scheduler *s, struct glint_message *m)
         break;
     case GLINT_MESSAGE_PREPARED:
         prepared(s, m);
+        break;
+    case GLINT_MESSAGE_MOVED:
+        moved(s, m);
         break;
     case GLINT_MESSAGE_RETURNED:
         returned(s, m);
@@ -368,9 +460,15 @@ static double next_deadline(const glint_scheduler *s)
 static void end_late(glint_scheduler *s)
 {
     const double now = glint_now();
-    for (size_t i = s->lives; i--;)
-        if (glint_state_deadline(s->live[i]) <= now)
-            end(s, s->live[i], GLINT_JOB_DONE);
+    for (size_t i = s->lives; i--;) {
+        struct glint_entry *e = s->live[i];
+        if (glint_state_deadline(e) > now)
+            continue;
+        if (e->job->live)
+            idle(s, e);
+        else
+            end(s, e, GLINT_JOB_DONE);
+    }
 }
 
 static void prepare_next(glint_scheduler *s)
@@ -384,6 +482,16 @@ static void prepare_next(glint_scheduler *s)
         return;
     s->preparing = e->preparing = true;
     glint_crew_prepare(s->crew, e, gone);
+}
+
+static void move_next(glint_scheduler *s)
+{
+    struct glint_entry *e = s->moving ? NULL : glint_turn_move(s->live, s->lives);
+    if (!e)
+        return;
+    e->stale = 0; // what changes from now on asks again
+    s->moving = true;
+    glint_crew_move(s->crew, e);
 }
 
 // The worker with the fewest orders, or GLINT_NONE when all have their fill.
@@ -466,6 +574,7 @@ static void *run(void *arg)
             while (glint_queue_poll(s->inbox, &message));
         end_late(s);
         prepare_next(s);
+        move_next(s);
         dispatch(s);
         fail_stuck(s);
         tell(s);
@@ -474,8 +583,8 @@ static void *run(void *arg)
 }
 
 glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *devices,
-                                    struct glint_job_table *table, uint64_t film_bytes,
-                                    struct glint_error *err)
+                                    glint_store *store, struct glint_job_table *table,
+                                    uint64_t film_bytes, struct glint_error *err)
 {
     *out = NULL;
     glint_scheduler *s = calloc(1, sizeof *s);
@@ -491,10 +600,10 @@ glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *device
     s->load = load;
     pthread_mutex_init(&s->mutex, NULL);
     pthread_cond_init(&s->answer, NULL);
-    glint_status st = glint_queue_create(&s->inbox, GLINT_CREW_DEPTH * workers + 1 + COMMAND_ROOM,
+    glint_status st = glint_queue_create(&s->inbox, GLINT_CREW_DEPTH * workers + 2 + COMMAND_ROOM,
                                          sizeof(struct glint_message), err);
     if (!st)
-        st = glint_crew_create(&s->crew, devices, s->inbox, err);
+        st = glint_crew_create(&s->crew, devices, store, s->inbox, err);
     if (!st)
         st = glint_thread_start(&s->thread, "scheduler", run, s, err);
     s->started = !st;
@@ -524,7 +633,7 @@ void glint_scheduler_destroy(glint_scheduler **scheduler)
         glint_queue_close(s->inbox);
     glint_crew_destroy(&s->crew);
     for (struct glint_message m; s->inbox && glint_queue_poll(s->inbox, &m);)
-        prepared(s, &m); // with no job left, nothing else can have come
+        handle(s, &m); // with no job left, only what was being prepared can have come
     glint_queue_destroy(&s->inbox);
     pthread_cond_destroy(&s->answer);
     pthread_mutex_destroy(&s->mutex);

@@ -18,15 +18,17 @@ enum glint_command_kind {
     GLINT_COMMAND_SUBMIT, // adds `entry`, or finds the one with its key
     GLINT_COMMAND_DELETE, // cancels, or forgets
     GLINT_COMMAND_PATCH,
+    GLINT_COMMAND_SCENE, // the scene `scene` has a new revision
     GLINT_COMMAND_WATCH, // sets the callback
     GLINT_COMMAND_STOP,  // destroy's alone: cancels what lives, ends the thread once nothing is out
 };
 
 struct glint_command {
     enum glint_command_kind kind;
-    struct glint_entry *entry; // SUBMIT: takes the reference on success; DELETE, PATCH: borrowed
-    struct glint_job_patch patch;
-    void (*changed)(void *user); // WATCH
+    struct glint_entry *entry;    // SUBMIT: takes the reference on success; DELETE, PATCH: borrowed
+    struct glint_job_patch patch; // the camera before is in it afterwards
+    const char *scene;            // SCENE
+    void (*changed)(void *user);  // WATCH
     void *user;
 
     // The answer.
@@ -39,9 +41,10 @@ struct glint_command {
 };
 
 // `table` outlives the scheduler. film_bytes: what all films together may hold.
+// In `store` live jobs find their newest revision.
 glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *devices,
-                                    struct glint_job_table *table, uint64_t film_bytes,
-                                    struct glint_error *err);
+                                    glint_store *store, struct glint_job_table *table,
+                                    uint64_t film_bytes, struct glint_error *err);
 // Stops after the slices out now; what has not ended becomes cancelled.
 void glint_scheduler_destroy(glint_scheduler **scheduler);
 

@@ -3,6 +3,7 @@
 #include "base/clock.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 const char *glint_job_state_name(enum glint_job_state state)
 {
@@ -47,6 +48,55 @@ void glint_state_prepared(struct glint_job_table *table, struct glint_entry *ent
     entry->sequence++;
     pthread_mutex_unlock(&table->mutex);
     *render = NULL;
+}
+
+void glint_state_idle(struct glint_job_table *table, struct glint_entry *entry, bool idle)
+{
+    const double now = glint_now();
+    entry->idle = idle;
+    pthread_mutex_lock(&table->mutex);
+    entry->render_seconds = glint_entry_seconds(entry, now);
+    entry->since = !idle && entry->state == GLINT_JOB_RENDERING ? now : NAN;
+    entry->sequence++;
+    pthread_mutex_unlock(&table->mutex);
+}
+
+void glint_state_moved(struct glint_job_table *table, struct glint_entry *entry,
+                       glint_revision **revision)
+{
+    glint_revision *old = entry->revision;
+    char *trouble = entry->trouble;
+    entry->idle = false;
+    pthread_mutex_lock(&table->mutex);
+    entry->revision = *revision;
+    entry->trouble = NULL;
+    entry->render_seconds = 0;
+    entry->since = entry->state == GLINT_JOB_RENDERING ? glint_now() : NAN;
+    entry->sequence++;
+    pthread_mutex_unlock(&table->mutex);
+    *revision = old;
+    free(trouble);
+}
+
+void glint_state_trouble(struct glint_job_table *table, struct glint_entry *entry, char *why)
+{
+    char *old = entry->trouble;
+    pthread_mutex_lock(&table->mutex);
+    entry->trouble = why;
+    entry->sequence++;
+    pthread_mutex_unlock(&table->mutex);
+    free(old);
+}
+
+void glint_state_look(struct glint_job_table *table, struct glint_entry *entry,
+                      struct glint_look **look)
+{
+    struct glint_look *old = entry->look;
+    pthread_mutex_lock(&table->mutex);
+    entry->look = *look;
+    entry->sequence++;
+    pthread_mutex_unlock(&table->mutex);
+    *look = old;
 }
 
 void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry, double seconds)

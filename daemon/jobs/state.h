@@ -4,7 +4,8 @@
 //   queued, rendering <-> paused
 //   done -> rendering, when a longer time is granted to a job that stopped by time
 //
-// The clock of a job runs while it is `rendering`: seconds of a pause do not count.
+// The clock of a job runs while it is `rendering`: seconds of a pause do not count. That of a live
+// job stands while it idles, and begins again when it moves.
 //
 // Threads: the scheduler.
 #ifndef GLINT_JOBS_STATE_H
@@ -23,6 +24,20 @@ void glint_state_blame(struct glint_job_table *table, struct glint_entry *entry,
 // Moves *render into the entry.
 void glint_state_prepared(struct glint_job_table *table, struct glint_entry *entry,
                           glint_render **render);
+
+// A live job has nothing to do, or something again.
+void glint_state_idle(struct glint_job_table *table, struct glint_entry *entry, bool idle);
+
+// A live job shows *revision from now on, without trouble; *revision is then the one before.
+void glint_state_moved(struct glint_job_table *table, struct glint_entry *entry,
+                       glint_revision **revision);
+
+// Why a live job could not move. Takes `why`, which may be NULL.
+void glint_state_trouble(struct glint_job_table *table, struct glint_entry *entry, char *why);
+
+// Exchanges the camera of a live job; *look is then the one before.
+void glint_state_look(struct glint_job_table *table, struct glint_entry *entry,
+                      struct glint_look **look);
 
 // Counts a slice that was run.
 void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry, double seconds);

@@ -160,11 +160,15 @@ void glint_entry_release(struct glint_entry **entry)
     // Acquire and release: the last to leave sees what the others did before they left.
     if (!e || atomic_fetch_sub_explicit(&e->references, 1, memory_order_acq_rel) != 1)
         return;
+    glint_view_release(&e->next_view);
     glint_render_destroy(&e->render);
+    glint_revision_release(&e->next_revision);
     glint_revision_release(&e->revision);
+    glint_look_release(&e->look);
     glint_job_destroy(&e->job);
     glint_error_finish(&e->problem);
     cJSON_Delete(e->warnings);
+    free(e->trouble);
     free(e->text);
     free(e->key);
     free(e);

@@ -13,6 +13,7 @@
 #define GLINT_JOBS_TABLE_H
 
 #include "jobs/jobs.h"
+#include "jobs/look.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -26,36 +27,42 @@ struct glint_entry {
     // fixed
     char id[GLINT_JOB_ID_BYTES];
     struct glint_job *job;
-    char *text;               // canonical JSON of `job`
-    char *key;                // Idempotency-Key or NULL
-    glint_revision *revision; // retained
-    cJSON *warnings;          // array of strings
+    char *text;      // canonical JSON of `job`
+    char *key;       // Idempotency-Key or NULL
+    cJSON *warnings; // array of strings
     char created[32];
     double submitted; // glint_now()
     uint64_t film_bytes;
 
     // shared
     enum glint_job_state state;
-    glint_render *render; // NULL until prepared
+    glint_revision *revision; // retained; a live job's is exchanged
+    struct glint_look *look;  // a live job's camera, NULL: as submitted
+    char *trouble;            // why a live job stays where it is, NULL: it does not
+    glint_render *render;     // NULL until prepared
     struct glint_error problem;
     int32_t priority;
     double stop_seconds;   // 0: none
     double render_seconds; // of rendering, up to `since`
-    double since;          // glint_now() from which it is rendering, NAN: not now
+    double since;          // glint_now() from which it is rendering, NAN: not now, or it idles
     double worker_seconds;
     uint64_t sequence;
 
     // scheduler
-    bool listed;              // in the table
-    bool preparing;           // at the preparer
-    bool blocked;             // found no memory; waits for another job to end
-    bool began;               // has had a slice
-    bool dry;                 // had no slice to give in this round of turns
-    uint32_t out;             // slices at workers
-    double turn;              // worker seconds on the scale on which equals take turns
-    double slice_seconds;     // of late, per slice
-    enum glint_job_state end; // state to end in once `out` is 0; QUEUED: not ending
-    struct glint_entry *next; // of entries on their way out of the table
+    bool listed;           // in the table
+    bool preparing;        // at the preparer
+    bool blocked;          // found no memory; waits for another job to end
+    bool began;            // has had a slice
+    bool dry;              // had no slice to give in this round of turns
+    bool idle;             // live, and has reached its stop
+    double stale;          // live: glint_now() since which it should show something else, 0: not
+    glint_view *next_view; // waits until no slice is out, NULL: none
+    glint_revision *next_revision; // of it, retained
+    uint32_t out;                  // slices at workers
+    double turn;                   // worker seconds on the scale on which equals take turns
+    double slice_seconds;          // of late, per slice
+    enum glint_job_state end;      // state to end in once `out` is 0; QUEUED: not ending
+    struct glint_entry *next;      // of entries on their way out of the table
 
     // counted
     atomic_uint references;

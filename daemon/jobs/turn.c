@@ -10,7 +10,7 @@ static bool waits(const struct glint_entry *entry)
 
 bool glint_turn_wants(const struct glint_entry *entry)
 {
-    return entry->render && waits(entry);
+    return entry->render && waits(entry) && !entry->idle && !entry->next_view;
 }
 
 static double standing(const struct glint_entry *entry)
@@ -69,5 +69,17 @@ struct glint_entry *glint_turn_prepare(struct glint_entry *const *entry, size_t 
     }
     if (!next || next->blocked || films_before(entry, count, next->priority) >= GLINT_MAX_FILMS)
         return NULL;
+    return next;
+}
+
+struct glint_entry *glint_turn_move(struct glint_entry *const *entry, size_t count)
+{
+    struct glint_entry *next = NULL;
+    for (size_t i = 0; i < count; i++) {
+        const struct glint_entry *e = entry[i];
+        const bool ready = e->stale > 0 && e->render && e->end == GLINT_JOB_QUEUED;
+        if (ready && (!next || e->stale < next->stale))
+            next = entry[i];
+    }
     return next;
 }

@@ -12,7 +12,7 @@
 
 #define GLINT_MAX_FILMS 8 // jobs of one priority or higher that render side by side
 
-// Has a film and wants slices.
+// Has a film and wants slices: does not idle, and is not about to move.
 bool glint_turn_wants(const struct glint_entry *entry);
 
 // Who gets the next slice: of those that want one and are not dry. NULL: nobody.
@@ -28,5 +28,8 @@ void glint_turn_charge(struct glint_entry *entry, double seconds);
 // matter as much as the next have one; and nobody passes one that waits
 // for memory, so that a large film gets its turn among small ones.
 struct glint_entry *glint_turn_prepare(struct glint_entry *const *entry, size_t count);
+
+// Who moves next: the live job that should for longest, NULL: nobody.
+struct glint_entry *glint_turn_move(struct glint_entry *const *entry, size_t count);
 
 #endif

@@ -58,6 +58,7 @@ struct glint_resident {
     struct glint_scene_facts facts;
     struct glint_scene_lighting lighting;
     struct glint_resident_stats stats;
+    struct glint_resident_change change;
 };
 
 static inline void *glint_table_host(const struct glint_resident *r, enum glint_table table)

@@ -6,6 +6,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+const char *const glint_part_name[GLINT_PARTS] = {
+    [GLINT_PART_MESHES] = "meshes",       [GLINT_PART_TEXTURES] = "textures",
+    [GLINT_PART_MATERIALS] = "materials", [GLINT_PART_INSTANCES] = "instances",
+    [GLINT_PART_LIGHTS] = "lights",       [GLINT_PART_ENVIRONMENT] = "environment",
+    [GLINT_PART_BVH] = "bvh",             [GLINT_PART_PLACEMENT] = "placement",
+};
+
 static void release_tables(struct glint_resident *r)
 {
     for (int t = 0; t < GLINT_TABLES; t++)
@@ -110,6 +117,8 @@ glint_status glint_resident_create(glint_resident **out, glint_devices *devices,
     pthread_mutex_init(&r->mutex, NULL);
     atomic_init(&r->references, 1);
     r->devices = devices;
+    for (int p = 0; p < GLINT_PARTS; p++)
+        r->change.fate[p] = GLINT_REBUILT;
     r->scene = order->scene;
     const glint_status st = build(r, err);
     if (st) {
@@ -123,6 +132,11 @@ glint_status glint_resident_create(glint_resident **out, glint_devices *devices,
     r->assets = order->assets;
     *out = r;
     return GLINT_OK;
+}
+
+const struct glint_resident_change *glint_resident_change(const glint_resident *r)
+{
+    return &r->change;
 }
 
 glint_resident *glint_resident_retain(glint_resident *r)

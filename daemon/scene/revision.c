@@ -3,21 +3,38 @@
 #include "base/clock.h"
 #include "scene/sha256.h"
 
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define MAX_EFFECTS 64
 
+#define MAX_POSES 64u
+#define MAX_POSE_BYTES ((uint64_t)1 << 30)
+
+// A pose that a job asked for; the next frame's job may render beside it.
+struct cached_pose {
+    struct glint_pose_request request;
+    struct glint_posed posed; // retained
+    uint64_t bytes, used;     // used: the turn in which it was asked for last
+};
+
 struct glint_revision {
     atomic_uint references;
+    glint_devices *devices;
     struct glint_usage *usage;
     char *name;
     char id[65];
     char created[32];
-    glint_resident *resident;          // owns scene and import
-    const struct glint_import *import; // lives as long as `resident`
+    struct glint_posed rest;           // owns scene and import
+    const struct glint_import *import; // lives as long as `rest`
+    double parse_seconds;
     struct glint_resident_stats stats;
     _Atomic uint64_t *resident_bytes;
+    pthread_mutex_t mutex; // guards what follows
+    struct cached_pose pose[MAX_POSES];
+    uint32_t poses;
+    uint64_t pose_bytes, pose_turns;
 };
 
 struct glint_usage *glint_usage_create(void)
@@ -59,17 +76,22 @@ static void free_import(void *import)
     glint_import_destroy(&owned);
 }
 
-// Takes `import` always.
-static glint_status make_resident(glint_resident **out, glint_devices *devices,
-                                  struct glint_import *import, struct glint_error *err)
+// Takes scene and import always.
+static glint_status make_resident(glint_revision *r, struct glint_scene *scene,
+                                  const glint_revision *from, struct glint_error *err)
 {
-    struct glint_scene *scene = NULL;
-    glint_status st =
-        glint_scene_parse(&scene, import->text, import->length, import->asset, import->assets, err);
+    struct glint_import *import = (struct glint_import *)r->import;
+    const double start = glint_now();
+    glint_status st = scene ? GLINT_OK
+                            : glint_scene_parse(&scene, import->text, import->length, import->asset,
+                                                import->assets, err);
+    r->parse_seconds = glint_now() - start;
+    const struct glint_resident_order order = {.scene = scene,
+                                               .free_assets = free_import,
+                                               .assets = import,
+                                               .from = from ? from->rest.resident : NULL};
     if (!st)
-        st = glint_resident_create(
-            out, devices, &(struct glint_resident_order){scene, free_import, import, NULL, NULL},
-            err);
+        st = glint_posed_create(&r->rest, r->devices, &order, err);
     if (st) {
         glint_scene_destroy(&scene);
         glint_import_destroy(&import);
@@ -77,38 +99,149 @@ static glint_status make_resident(glint_resident **out, glint_devices *devices,
     return st;
 }
 
-glint_status glint_revision_create(glint_revision **out, glint_devices *devices, const char *name,
-                                   struct glint_import *import, struct glint_usage *usage,
-                                   _Atomic uint64_t *resident_bytes, struct glint_error *err)
+glint_status glint_revision_create(glint_revision **out, glint_devices *devices,
+                                   const struct glint_revision_order *order,
+                                   struct glint_error *err)
 {
     *out = NULL;
     glint_revision *r = calloc(1, sizeof *r);
-    char *copy = strdup(name);
+    char *copy = strdup(order->name);
     if (!r || !copy) {
+        struct glint_scene *scene = order->scene;
+        struct glint_import *import = order->import;
+        struct glint_usage *usage = order->usage;
         free(r);
         free(copy);
+        glint_scene_destroy(&scene);
         glint_import_destroy(&import);
         glint_usage_release(&usage);
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a revision");
     }
-    r->usage = usage;
+    r->devices = devices;
+    r->usage = order->usage;
     r->name = copy;
-    r->import = import;
-    r->resident_bytes = resident_bytes;
+    r->import = order->import;
+    r->resident_bytes = order->resident_bytes;
     atomic_init(&r->references, 1);
-    glint_revision_hash(import, r->id);
+    pthread_mutex_init(&r->mutex, NULL);
+    glint_revision_hash(r->import, r->id);
     glint_utc(r->created);
-    const glint_status st = make_resident(&r->resident, devices, import, err);
+    const glint_status st = make_resident(r, order->scene, order->from, err);
     if (st) {
         glint_revision_release(&r);
         return st;
     }
-    glint_resident_set_revision(r->resident, r->id);
-    glint_resident_set_revision(r->resident, r->id);
-    glint_resident_stats(r->resident, &r->stats);
-    atomic_fetch_add(resident_bytes, total_bytes(&r->stats));
+    glint_resident_set_revision(r->rest.resident, r->id);
+    glint_resident_stats(r->rest.resident, &r->stats);
+    atomic_fetch_add(r->resident_bytes, total_bytes(&r->stats));
     *out = r;
     return GLINT_OK;
+}
+
+void glint_revision_edit(const glint_revision *revision, struct glint_edit *out)
+{
+    out->import = revision->import;
+    out->scene = glint_resident_scene(revision->rest.resident);
+}
+
+// ---- poses
+
+// Counts the bytes of a pose while it lives, in the cache or only in a render.
+struct weight {
+    _Atomic uint64_t *resident_bytes;
+    uint64_t bytes;
+};
+
+static void lighten(void *user)
+{
+    struct weight *w = user;
+    atomic_fetch_sub(w->resident_bytes, w->bytes);
+    free(w);
+}
+
+static bool same_request(const struct glint_pose_request *a, const struct glint_pose_request *b)
+{
+    return a->animation == b->animation && a->open == b->open && a->close == b->close &&
+           a->before == b->before && a->after == b->after && a->flow == b->flow;
+}
+
+static void forget_pose(glint_revision *r, uint32_t i)
+{
+    glint_resident_release(&r->pose[i].posed.resident);
+    r->pose_bytes -= r->pose[i].bytes;
+    r->pose[i] = r->pose[--r->poses];
+}
+
+// Lets the poses that were asked for longest ago go, until `bytes` more are within the bound. What
+// a render holds lives on there.
+static void make_room(glint_revision *r, uint64_t bytes)
+{
+    while (r->poses == MAX_POSES || (r->poses && r->pose_bytes + bytes > MAX_POSE_BYTES)) {
+        uint32_t oldest = 0;
+        for (uint32_t i = 1; i < r->poses; i++)
+            if (r->pose[i].used < r->pose[oldest].used)
+                oldest = i;
+        forget_pose(r, oldest);
+    }
+}
+
+static uint64_t pose_bytes(const struct glint_posed *posed)
+{
+    struct glint_resident_stats s;
+    glint_resident_stats(posed->resident, &s);
+    return posed->pose->bytes + s.bvh_bytes + s.record_bytes;
+}
+
+static glint_status add_pose(glint_revision *r, const struct glint_pose_request *request,
+                             struct glint_posed *out, struct glint_error *err)
+{
+    struct weight *weight = malloc(sizeof *weight);
+    if (!weight)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a pose");
+    *weight = (struct weight){r->resident_bytes, 0};
+    const glint_status st =
+        glint_posed_move(out, r->devices, &r->rest, request, lighten, weight, err);
+    if (st) {
+        free(weight);
+        return st;
+    }
+    weight->bytes = pose_bytes(out);
+    atomic_fetch_add(r->resident_bytes, weight->bytes);
+    make_room(r, weight->bytes);
+    r->pose[r->poses++] = (struct cached_pose){*request, *out, weight->bytes, ++r->pose_turns};
+    r->pose_bytes += weight->bytes;
+    return GLINT_OK;
+}
+
+// With the mutex: who wants the same pose meanwhile waits for it.
+static glint_status find_pose(glint_revision *r, const struct glint_pose_request *request,
+                              struct glint_posed *out, struct glint_error *err)
+{
+    for (uint32_t i = 0; i < r->poses; i++)
+        if (same_request(&r->pose[i].request, request)) {
+            r->pose[i].used = ++r->pose_turns;
+            *out = r->pose[i].posed;
+            return GLINT_OK;
+        }
+    return add_pose(r, request, out, err);
+}
+
+glint_status glint_revision_pose(glint_revision *r, const struct glint_job *job,
+                                 struct glint_posed *out, struct glint_error *err)
+{
+    const struct glint_scene *scene = glint_resident_scene(r->rest.resident);
+    struct glint_pose_request request;
+    *out = r->rest;
+    glint_status st = glint_posed_request(&request, scene, job, err);
+    if (st)
+        return st;
+    pthread_mutex_lock(&r->mutex);
+    if (glint_pose_wanted(scene, &request))
+        st = find_pose(r, &request, out, err);
+    if (!st)
+        glint_resident_retain(out->resident);
+    pthread_mutex_unlock(&r->mutex);
+    return st;
 }
 
 glint_revision *glint_revision_retain(glint_revision *revision)
@@ -124,7 +257,7 @@ void glint_revision_release(glint_revision **revision)
     if (!r || atomic_fetch_sub_explicit(&r->references, 1, memory_order_acq_rel) != 1)
         return;
     atomic_fetch_sub(r->resident_bytes, total_bytes(&r->stats));
-    glint_resident_release(&r->resident);
+    glint_resident_release(&r->rest.resident);
     glint_usage_release(&r->usage);
     free(r->name);
     free(r);
@@ -142,7 +275,7 @@ struct glint_usage *glint_revision_usage(const glint_revision *revision)
 
 struct glint_resident *glint_revision_resident(const glint_revision *revision)
 {
-    return revision->resident;
+    return revision->rest.resident;
 }
 
 const char *glint_revision_id(const glint_revision *revision)
@@ -172,6 +305,7 @@ static void add_seconds(cJSON *resource, const glint_revision *r)
 {
     cJSON *seconds = cJSON_AddObjectToObject(resource, "seconds");
     cJSON_AddNumberToObject(seconds, "import", r->import->seconds);
+    cJSON_AddNumberToObject(seconds, "parse", r->parse_seconds);
     cJSON_AddNumberToObject(seconds, "geometry", r->stats.geometry_seconds);
     cJSON_AddNumberToObject(seconds, "bvh", r->stats.bvh_seconds);
     cJSON_AddNumberToObject(seconds, "textures", r->stats.texture_seconds);
@@ -180,7 +314,7 @@ static void add_seconds(cJSON *resource, const glint_revision *r)
 
 static void add_counts(cJSON *resource, const glint_revision *r)
 {
-    const struct glint_scene *scene = glint_resident_scene(r->resident);
+    const struct glint_scene *scene = glint_resident_scene(r->rest.resident);
     cJSON_AddNumberToObject(resource, "triangles", (double)r->stats.triangles);
     cJSON_AddNumberToObject(resource, "instanced_triangles", (double)r->stats.instanced_triangles);
     cJSON_AddNumberToObject(resource, "dropped_triangles", r->stats.dropped);
@@ -213,7 +347,7 @@ static void add_warning(cJSON *warnings, const char *text)
 static void add_warnings(cJSON *resource, const glint_revision *r)
 {
     // The import warns of what a file has and a scene has not, the parse of what it added.
-    const struct glint_scene *scene = glint_resident_scene(r->resident);
+    const struct glint_scene *scene = glint_resident_scene(r->rest.resident);
     cJSON *warnings = cJSON_AddArrayToObject(resource, "warnings");
     for (size_t i = 0; warnings && i < r->import->warnings; i++)
         add_warning(warnings, r->import->warning[i]);
@@ -231,8 +365,36 @@ cJSON *glint_revision_resource(const glint_revision *r)
     cJSON_AddStringToObject(resource, "created", r->created);
     add_counts(resource, r);
     add_bytes(resource, &r->stats);
-    add_effects(resource, r->resident);
+    add_effects(resource, r->rest.resident);
     add_warnings(resource, r);
     add_seconds(resource, r);
     return resource;
+}
+
+static void add_parts(cJSON *object, const struct glint_resident_change *c,
+                      enum glint_part_fate fate, const char *name)
+{
+    cJSON *list = cJSON_AddArrayToObject(object, name);
+    for (int p = 0; p < GLINT_PARTS; p++)
+        if (c->fate[p] == fate)
+            cJSON_AddItemToArray(list, cJSON_CreateString(glint_part_name[p]));
+}
+
+cJSON *glint_patch_describe(const struct glint_patch_report *report)
+{
+    const struct glint_resident_change *c = &report->change;
+    cJSON *object = cJSON_CreateObject();
+    add_parts(object, c, GLINT_REBUILT, "rebuilt");
+    add_parts(object, c, GLINT_UPLOADED, "uploaded");
+    add_parts(object, c, GLINT_REFITTED, "refitted");
+    add_parts(object, c, GLINT_KEPT, "kept");
+    cJSON *items = cJSON_AddObjectToObject(object, "items");
+    cJSON *milliseconds = cJSON_AddObjectToObject(object, "milliseconds");
+    for (int p = 0; p < GLINT_PARTS; p++) {
+        cJSON_AddNumberToObject(items, glint_part_name[p], c->items[p]);
+        cJSON_AddNumberToObject(milliseconds, glint_part_name[p], 1e3 * c->seconds[p]);
+    }
+    cJSON_AddNumberToObject(milliseconds, "parse", 1e3 * report->parse_seconds);
+    cJSON_AddNumberToObject(milliseconds, "total", 1e3 * report->total_seconds);
+    return object;
 }

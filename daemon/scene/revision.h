@@ -4,6 +4,7 @@
 #ifndef GLINT_SCENE_REVISION_H
 #define GLINT_SCENE_REVISION_H
 
+#include "scene/edit.h"
 #include "scene/store.h"
 
 #include <stdatomic.h>
@@ -18,11 +19,21 @@ struct glint_usage *glint_usage_create(void); // NULL without memory
 struct glint_usage *glint_usage_retain(struct glint_usage *usage);
 void glint_usage_release(struct glint_usage **usage);
 
-// Takes `import` and `usage` always, `import` also when it fails. *resident_bytes, which must
-// outlive the revision, grows by its size until it is freed.
-glint_status glint_revision_create(glint_revision **out, glint_devices *devices, const char *name,
-                                   struct glint_import *import, struct glint_usage *usage,
-                                   _Atomic uint64_t *resident_bytes, struct glint_error *err);
+// What a revision is made of. All but the borrowed members are taken, also by a failure.
+struct glint_revision_order {
+    const char *name; // borrowed
+    struct glint_import *import;
+    struct glint_scene *scene; // of the import; NULL: to be parsed
+    struct glint_usage *usage;
+    const glint_revision *from;       // borrowed: the one before, with which it shares; NULL: none
+    _Atomic uint64_t *resident_bytes; // borrowed for its life: grows by its size until it is freed
+};
+glint_status glint_revision_create(glint_revision **out, glint_devices *devices,
+                                   const struct glint_revision_order *order,
+                                   struct glint_error *err);
+
+// What an edit of the revision starts from; borrows.
+void glint_revision_edit(const glint_revision *revision, struct glint_edit *out);
 
 // The usage that a next revision of the scene shares; borrowed.
 struct glint_usage *glint_revision_usage(const glint_revision *revision);

@@ -1,5 +1,6 @@
 #include "scene/store.h"
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "scene/revision.h"
 
@@ -9,6 +10,7 @@
 
 #define MAX_NAME_BYTES 128
 #define MAX_SCENES 4096
+#define EDITORS 16u // scenes that can be patched at once
 
 struct named {
     char *name;
@@ -21,8 +23,11 @@ struct glint_store {
     struct glint_import_limits limits;
     glint_assets *assets;
     _Atomic uint64_t resident_bytes, imports, import_failures;
-    pthread_mutex_t mutex;
-    struct named scene[MAX_SCENES]; // by name
+    void (*published)(void *user, const char *name);
+    void *user;
+    pthread_mutex_t editing[EDITORS]; // by a hash of the name: taken before `mutex`
+    pthread_mutex_t mutex;            // guards what follows
+    struct named scene[MAX_SCENES];   // by name
     size_t scenes;
 };
 
@@ -42,6 +47,8 @@ glint_status glint_store_create(glint_store **out, glint_devices *devices, glint
     (*out)->importer = importer;
     (*out)->limits = *limits;
     pthread_mutex_init(&(*out)->mutex, NULL);
+    for (unsigned i = 0; i < EDITORS; i++)
+        pthread_mutex_init(&(*out)->editing[i], NULL);
     return GLINT_OK;
 }
 
@@ -55,6 +62,8 @@ void glint_store_destroy(glint_store **store)
         free(s->scene[i].name);
     }
     pthread_mutex_destroy(&s->mutex);
+    for (unsigned i = 0; i < EDITORS; i++)
+        pthread_mutex_destroy(&s->editing[i]);
     glint_assets_destroy(&s->assets);
     free(s);
     *store = NULL;
@@ -188,7 +197,11 @@ static glint_status load(glint_store *s, const char *name, struct glint_import *
         glint_import_destroy(&import);
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a revision");
     }
-    return glint_revision_create(out, s->devices, name, import, usage, &s->resident_bytes, err);
+    return glint_revision_create(
+        out, s->devices,
+        &(struct glint_revision_order){
+            .name = name, .import = import, .usage = usage, .resident_bytes = &s->resident_bytes},
+        err);
 }
 
 static glint_status import_and_publish(glint_store *s, const char *name,
@@ -212,7 +225,16 @@ static glint_status import_and_publish(glint_store *s, const char *name,
     glint_revision_release(&replaced);
     if (st)
         glint_revision_release(out);
+    else if (s->published)
+        s->published(s->user, name);
     return st;
+}
+
+void glint_store_on_publish(glint_store *s, void (*published)(void *user, const char *name),
+                            void *user)
+{
+    s->published = published;
+    s->user = user;
 }
 
 glint_status glint_store_put(glint_store *s, const char *name,
@@ -249,6 +271,114 @@ glint_status glint_store_get(glint_store *s, const char *name, glint_revision **
     if (found)
         return GLINT_OK;
     return glint_fail(err, GLINT_E_NOT_FOUND, "", "there is no scene \"%.140s\"", name);
+}
+
+// Makes the revision that the patch leads to from `from`; *out is `from` when that is the same.
+static glint_status edit(glint_store *s, const char *name, const char *text, size_t length,
+                         glint_revision *from, glint_revision **out,
+                         struct glint_patch_report *report, struct glint_error *err)
+{
+    struct glint_edit order = {.importer = s->importer, .limits = &s->limits, .assets = s->assets};
+    struct glint_import *import;
+    struct glint_scene *scene;
+    char id[65];
+    glint_revision_edit(from, &order);
+    glint_status st = glint_edit_run(&order, text, length, &import, &scene, err);
+    if (st)
+        return st;
+    report->parse_seconds = import->seconds;
+    glint_revision_hash(import, id);
+    report->changed = strcmp(id, glint_revision_id(from)) != 0;
+    if (!report->changed) {
+        glint_scene_destroy(&scene);
+        glint_import_destroy(&import);
+        *out = glint_revision_retain(from);
+        return GLINT_OK;
+    }
+    st = glint_revision_create(
+        out, s->devices,
+        &(struct glint_revision_order){name, import, scene,
+                                       glint_usage_retain(glint_revision_usage(from)), from,
+                                       &s->resident_bytes},
+        err);
+    if (!st)
+        report->change = *glint_resident_change(glint_revision_resident(*out));
+    return st;
+}
+
+// Names the revision, unless the scene is not at `from` any more: *lost.
+static glint_status exchange(glint_store *s, const char *name, const glint_revision *from,
+                             glint_revision *revision, bool *lost, struct glint_error *err)
+{
+    glint_revision *replaced = NULL;
+    bool found;
+    pthread_mutex_lock(&s->mutex);
+    const size_t at = find(s, name, &found);
+    *lost = found && s->scene[at].current != from;
+    if (found && !*lost) {
+        replaced = s->scene[at].current;
+        s->scene[at].current = glint_revision_retain(revision);
+    }
+    pthread_mutex_unlock(&s->mutex);
+    glint_revision_release(&replaced);
+    return found ? GLINT_OK
+                 : glint_fail(err, GLINT_E_NOT_FOUND, "", "the scene \"%.140s\" was removed", name);
+}
+
+// One try: *lost when the scene was replaced meanwhile, which a patch does not undo.
+static glint_status patch_once(glint_store *s, const char *name, const char *text, size_t length,
+                               const char *if_match, glint_revision **out, bool *lost,
+                               struct glint_patch_report *report, struct glint_error *err)
+{
+    glint_revision *from;
+    glint_status st = glint_store_get(s, name, &from, err);
+    if (st)
+        return st;
+    if (if_match && strcmp(if_match, glint_revision_id(from)))
+        st = glint_fail(err, GLINT_E_STALE, "", "the revision is %s by now",
+                        glint_revision_id(from));
+    if (!st)
+        st = edit(s, name, text, length, from, out, report, err);
+    if (!st)
+        st = exchange(s, name, from, *out, lost, err);
+    if (st || *lost)
+        glint_revision_release(out);
+    glint_revision_release(&from);
+    return st;
+}
+
+static pthread_mutex_t *editor_of(glint_store *s, const char *name)
+{
+    unsigned hash = 5381;
+    while (*name)
+        hash = hash * 33 + (unsigned char)*name++;
+    return &s->editing[hash % EDITORS];
+}
+
+glint_status glint_store_patch(glint_store *s, const char *name, const char *text, size_t length,
+                               const char *if_match, glint_revision **out,
+                               struct glint_patch_report *report, struct glint_error *err)
+{
+    const double start = glint_now();
+    glint_status st;
+    bool lost = false;
+    pthread_mutex_t *editor = editor_of(s, name);
+    pthread_mutex_lock(editor);
+    do {
+        *out = NULL;
+        *report = (struct glint_patch_report){0};
+        st = patch_once(s, name, text, length, if_match, out, &lost, report, err);
+    } while (!st && lost);
+    pthread_mutex_unlock(editor);
+    report->total_seconds = glint_now() - start;
+    if (st || !report->changed)
+        return st;
+    if (s->published)
+        s->published(s->user, name);
+    glint_log(GLINT_LOG_INFO, "scene", NULL, NULL,
+              "scene \"%s\" is at revision %.12s after %.1f ms", name, glint_revision_id(*out),
+              1e3 * report->total_seconds);
+    return GLINT_OK;
 }
 
 // With the mutex.

@@ -8,7 +8,7 @@
 #define GLINT_SCENE_STORE_H
 
 #include "scene/import.h"
-#include "scene/resident.h"
+#include "scene/posed.h"
 
 #include <cjson/cJSON.h>
 
@@ -29,6 +29,26 @@ glint_assets *glint_store_assets(glint_store *store);
 glint_status glint_store_put(glint_store *store, const char *name,
                              const struct glint_import_source *source, const char *if_match,
                              glint_revision **out, bool *created, struct glint_error *err);
+// Applies a merge patch (RFC 7396) to the native form of the scene and publishes what comes of it,
+// as put. Two patches of one scene are applied one after the other. *report says what was made
+// anew; a patch that changes nothing keeps the revision.
+//   GLINT_E_NOT_FOUND  no such scene
+//   GLINT_E_STALE      if_match is not, or was not any more, the current revision
+//   others             as put, with pointers into the patched scene; nothing has changed
+struct glint_patch_report {
+    bool changed;
+    struct glint_resident_change change; // all kept where nothing changed
+    double parse_seconds, total_seconds;
+};
+glint_status glint_store_patch(glint_store *store, const char *name, const char *text,
+                               size_t length, const char *if_match, glint_revision **out,
+                               struct glint_patch_report *report, struct glint_error *err);
+
+// Called after every change of what a name stands for but its removal, on the thread that made it,
+// without a lock. NULL: none. To be set while no scene changes.
+void glint_store_on_publish(glint_store *store, void (*published)(void *user, const char *name),
+                            void *user);
+
 glint_status glint_store_get(glint_store *store, const char *name, glint_revision **out,
                              struct glint_error *err);
 // Names it no longer; revisions in use live on. GLINT_E_CONFLICT while jobs use it unless `force`.
@@ -47,9 +67,18 @@ glint_revision *glint_revision_retain(glint_revision *revision);
 void glint_revision_release(glint_revision **revision);
 void glint_revision_use(glint_revision *revision, int delta); // jobs that hold it: +1, -1
 struct glint_resident *glint_revision_resident(const glint_revision *revision); // borrowed
-const char *glint_revision_id(const glint_revision *revision);                  // 64 hex digits
+// What the job renders of the revision: at rest, or the pose of its frame, which is kept for other
+// jobs within bounds. *out is retained for the caller.
+//   GLINT_E_RANGE     no such animation, at /animation
+//   GLINT_E_CAPACITY  the pose does not fit
+glint_status glint_revision_pose(glint_revision *revision, const struct glint_job *job,
+                                 struct glint_posed *out, struct glint_error *err);
+const char *glint_revision_id(const glint_revision *revision); // 64 hex digits
 const char *glint_revision_native(const glint_revision *revision, size_t *length);
 // The scene resource of PROTOCOL.md with warnings, effects, bytes by kind, seconds by load stage.
 cJSON *glint_revision_resource(const glint_revision *revision);
+// {"rebuilt": [names of parts], "uploaded": [...], "refitted": [...], "kept": [...],
+//  "items": {name: made anew}, "milliseconds": {name: ..., "parse": ..., "total": ...}}
+cJSON *glint_patch_describe(const struct glint_patch_report *report);
 
 #endif

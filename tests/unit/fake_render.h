@@ -27,6 +27,16 @@ void fake_wait_create(void);
 // The next slice of the job fails with GLINT_E_DEVICE; the next `times` creates fail.
 void fake_fail_slice(uint32_t seed);
 void fake_fail_create(uint32_t seed, glint_status status, unsigned times);
+// The next move of the job fails with GLINT_E_RANGE.
+void fake_fail_move(uint32_t seed);
+// Holds every glint_render_move until it is let go.
+void fake_hold_move(bool held);
+void fake_wait_moves(uint32_t count); // until so many have begun
+uint32_t fake_moves(void);
+// Waits until so many renders have started again; the yfov of the job's own camera of the last.
+float fake_wait_restarts(uint32_t count);
+uint32_t fake_restarts(void);
+int fake_views(void); // that live
 // take() answers false before the first slice, though none has been taken.
 void fake_stick(uint32_t seed);
 // Each slice of the job spins for so long.

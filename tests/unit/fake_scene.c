@@ -130,6 +130,19 @@ void glint_resident_release(glint_resident **resident)
     atomic_fetch_sub(&residents, 1);
 }
 
+const char *const glint_part_name[GLINT_PARTS] = {
+    "meshes", "textures", "materials", "instances", "lights", "environment", "bvh", "placement"};
+
+const struct glint_resident_change *glint_resident_change(const glint_resident *resident)
+{
+    (void)resident;
+    static const struct glint_resident_change change = {
+        .fate = {[GLINT_PART_MATERIALS] = GLINT_UPLOADED, [GLINT_PART_LIGHTS] = GLINT_REBUILT},
+        .items = {[GLINT_PART_MATERIALS] = 1},
+        .seconds = {[GLINT_PART_MATERIALS] = 0.001}};
+    return &change;
+}
+
 const struct glint_scene *glint_resident_scene(const glint_resident *resident)
 {
     return resident->scene;
@@ -138,6 +151,11 @@ const struct glint_scene *glint_resident_scene(const glint_resident *resident)
 void glint_resident_set_revision(glint_resident *resident, const char *revision)
 {
     strcpy(resident->revision, revision);
+}
+
+const char *glint_resident_revision(const glint_resident *resident)
+{
+    return resident->revision;
 }
 
 void glint_resident_stats(const glint_resident *resident, struct glint_resident_stats *out)

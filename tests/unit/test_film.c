@@ -20,7 +20,7 @@ static glint_film *film_of(uint32_t width, uint32_t height, uint32_t outputs)
     struct glint_scene_facts facts = {0};
     struct glint_job job = {.region = {0, 0, width, height}, .outputs = outputs, .matte_slots = 12};
     const struct glint_camera camera = {0};
-    const struct glint_effect_input in = {&facts, &job, &camera};
+    const struct glint_effect_input in = {.facts = &facts, .job = &job, .camera = &camera};
     struct glint_plan plan;
     struct glint_error err = {0};
     glint_film *film = NULL;

@@ -268,7 +268,7 @@ static void a_refused_method_names_the_allowed_ones(void **state)
     (void)state;
     char *answer = ask("PATCH /v1/scenes/room HTTP/1.1\r\n" END);
     assert_int_equal(405, status_of(answer));
-    assert_non_null(strstr(answer, "Allow: GET, HEAD, PUT, DELETE\r\n"));
+    assert_non_null(strstr(answer, "Allow: GET, HEAD, PUT, PATCH, DELETE\r\n"));
     assert_non_null(strstr(answer, "Content-Type: application/problem+json\r\n"));
     free(answer);
 }
