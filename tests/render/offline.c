@@ -38,13 +38,13 @@ static void free_import(void *import)
     glint_import_destroy(&owned);
 }
 
-static glint_resident *load_bytes(const struct offline *o, enum glint_scene_type type,
-                                  const char *name, const uint8_t *bytes, size_t size)
+static struct glint_posed load_bytes(const struct offline *o, enum glint_scene_type type,
+                                     const char *name, const uint8_t *bytes, size_t size)
 {
     struct glint_error err = {0};
     struct glint_import *import = NULL;
     struct glint_scene *scene = NULL;
-    glint_resident *resident = NULL;
+    struct glint_posed posed;
     const struct glint_import_limits limits = {(size_t)8 << 30, 60.0};
     if (glint_import_run(o->importer,
                          &(struct glint_import_source){.type = type, .bytes = bytes, .size = size},
@@ -52,30 +52,40 @@ static glint_resident *load_bytes(const struct offline *o, enum glint_scene_type
         glint_scene_parse(&scene, import->text, import->length, import->asset, import->assets,
                           &err) ||
         glint_scene_complete(scene, &err) ||
-        glint_resident_create(
-            &resident, o->devices,
-            &(struct glint_resident_order){scene, free_import, import, NULL, NULL}, &err))
+        glint_posed_create(&posed, o->devices,
+                           &(struct glint_resident_order){scene, free_import, import, NULL, NULL},
+                           &err))
         offline_die(name, &err);
     for (size_t i = 0; i < import->warnings; i++)
         fprintf(stderr, "# warning: %s\n", import->warning[i]);
-    return resident;
+    return posed;
 }
 
-glint_resident *offline_load(const struct offline *o, const char *path)
+struct glint_posed offline_load_posed(const struct offline *o, const char *path)
 {
     const size_t length = strlen(path);
     const bool glb = length > 4 && strcmp(path + length - 4, ".glb") == 0;
     size_t size;
     uint8_t *bytes = offline_read_file(path, &size);
-    glint_resident *resident =
+    const struct glint_posed posed =
         load_bytes(o, glb ? GLINT_SCENE_GLB : GLINT_SCENE_NATIVE, path, bytes, size);
     free(bytes);
-    return resident;
+    return posed;
+}
+
+struct glint_posed offline_load_posed_text(const struct offline *o, const char *text)
+{
+    return load_bytes(o, GLINT_SCENE_NATIVE, "scene", (const uint8_t *)text, strlen(text));
+}
+
+glint_resident *offline_load(const struct offline *o, const char *path)
+{
+    return offline_load_posed(o, path).resident;
 }
 
 glint_resident *offline_load_text(const struct offline *o, const char *text)
 {
-    return load_bytes(o, GLINT_SCENE_NATIVE, "scene", (const uint8_t *)text, strlen(text));
+    return offline_load_posed_text(o, text).resident;
 }
 
 struct glint_job *offline_job(const char *text)
@@ -157,19 +167,42 @@ void offline_render(const struct offline *o, glint_render *render)
         pthread_join(thread[i], NULL);
 }
 
-struct glint_frame *offline_frame(const struct offline *o, glint_resident *scene, const char *text,
-                                  uint64_t force)
+static struct glint_frame *frame_of(const struct offline *o, const struct glint_posed *posed,
+                                    const struct glint_job *job, uint64_t force)
 {
     struct glint_error err = {0};
-    struct glint_job *job = offline_job(text);
     glint_render *render = NULL;
     struct glint_frame *frame = NULL;
-    if (glint_render_create_forced(&render, o->devices, scene, NULL, job, force, &err))
+    if (glint_render_create_forced(&render, o->devices, posed->resident, posed->pose, job, force,
+                                   &err))
         offline_die("render", &err);
     offline_render(o, render);
     if (glint_render_frame(render, job->outputs, &frame, NULL, &err))
         offline_die("frame", &err);
     glint_render_destroy(&render);
+    return frame;
+}
+
+struct glint_frame *offline_frame(const struct offline *o, glint_resident *scene, const char *text,
+                                  uint64_t force)
+{
+    struct glint_job *job = offline_job(text);
+    const struct glint_posed posed = {scene, NULL};
+    struct glint_frame *frame = frame_of(o, &posed, job, force);
+    glint_job_destroy(&job);
+    return frame;
+}
+
+struct glint_frame *offline_frame_posed(const struct offline *o, const struct glint_posed *rest,
+                                        const char *text, uint64_t force)
+{
+    struct glint_error err = {0};
+    struct glint_job *job = offline_job(text);
+    struct glint_posed posed;
+    if (glint_posed_for(&posed, o->devices, rest, job, &err))
+        offline_die("pose", &err);
+    struct glint_frame *frame = frame_of(o, &posed, job, force);
+    glint_resident_release(&posed.resident);
     glint_job_destroy(&job);
     return frame;
 }

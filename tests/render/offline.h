@@ -5,6 +5,7 @@
 
 #include "render/internal.h"
 #include "scene/import.h"
+#include "scene/posed.h"
 
 // Importer and devices, forked and created in the right order. threads 0: one per core.
 struct offline {
@@ -23,6 +24,10 @@ uint8_t *offline_read_file(const char *path, size_t *size);
 glint_resident *offline_load(const struct offline *o, const char *path);
 glint_resident *offline_load_text(const struct offline *o, const char *text);
 
+// The same at rest, with its pose; released by its resident.
+struct glint_posed offline_load_posed(const struct offline *o, const char *path);
+struct glint_posed offline_load_posed_text(const struct offline *o, const char *text);
+
 // A job from JSON text; its "scene" member is not looked at.
 struct glint_job *offline_job(const char *text);
 
@@ -32,5 +37,9 @@ void offline_render(const struct offline *o, glint_render *render);
 // The frame of a text scene and job, rendered with effects forced on.
 struct glint_frame *offline_frame(const struct offline *o, glint_resident *scene, const char *job,
                                   uint64_t force);
+
+// The frame of a scene in the pose that the job asks for.
+struct glint_frame *offline_frame_posed(const struct offline *o, const struct glint_posed *rest,
+                                        const char *job, uint64_t force);
 
 #endif

@@ -94,17 +94,20 @@ int main(int argc, char **argv)
     offline_start(&o, options.threads);
     char *text = (char *)offline_read_file(options.job, &length);
     struct glint_job *job = offline_job(text);
-    glint_resident *scene = offline_load(&o, options.scene);
-    if (glint_render_create_forced(&render, o.devices, scene, NULL, job, options.force, &err))
+    struct glint_posed rest = offline_load_posed(&o, options.scene), posed;
+    if (glint_posed_for(&posed, o.devices, &rest, job, &err) ||
+        glint_render_create_forced(&render, o.devices, posed.resident, posed.pose, job,
+                                   options.force, &err))
         offline_die("render", &err);
     const double start = glint_now();
     offline_render(&o, render);
     const double seconds = glint_now() - start;
     write_frame(render, job, options.out);
     if (options.stats)
-        print_stats(render, scene, seconds);
+        print_stats(render, posed.resident, seconds);
     glint_render_destroy(&render);
-    glint_resident_release(&scene);
+    glint_resident_release(&posed.resident);
+    glint_resident_release(&rest.resident);
     glint_job_destroy(&job);
     offline_finish(&o);
     free(text);
