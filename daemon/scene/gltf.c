@@ -10,9 +10,10 @@
 static void read_scene(struct glint_gltf *g)
 {
     static void (*const steps[])(struct glint_gltf *) = {
-        glint_gltf_read_nodes,  glint_gltf_read_animations, glint_gltf_read_skins,
-        glint_gltf_make_frames, glint_gltf_read_materials,  glint_gltf_read_meshes,
-        glint_gltf_read_lights, glint_gltf_read_cameras,    glint_gltf_note_the_rest,
+        glint_gltf_read_nodes,         glint_gltf_read_animations, glint_gltf_read_skins,
+        glint_gltf_make_frames,        glint_gltf_read_materials,  glint_gltf_read_meshes,
+        glint_gltf_drop_idle_channels, glint_gltf_read_lights,     glint_gltf_read_cameras,
+        glint_gltf_note_the_rest,
     };
     for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
         // without nodes and their frames nothing else can be read; others report faults together

@@ -7,6 +7,10 @@
 #include <stdio.h>
 
 #define MAX_NUMBERS (1u << 26) // of all keys of all channels
+// Lengths of quaternions: bytes leave an error of 0.008.
+#define UNIT_TOLERANCE 1e-6
+#define CUBIC_TOLERANCE 0.02
+#define MAX_LENGTH 1e6
 
 struct reading {
     struct glint_gltf *g;
@@ -120,9 +124,10 @@ static bool read_times(struct glint_gltf *g, const struct glint_json *sampler,
     c->time = read_floats(g, &a);
     if (!c->time)
         return false;
-    if (c->time[0] < 0)
-        return glint_gltf_accessor_fault(g, &a, "the first time is %g, before 0",
-                                         (double)c->time[0]);
+    if (c->time[0] < 0 || c->time[c->keys - 1] > GLINT_MAX_SECONDS)
+        return glint_gltf_accessor_fault(g, &a, "the times go from %g to %g: not within 0 to %g",
+                                         (double)c->time[0], (double)c->time[c->keys - 1],
+                                         (double)GLINT_MAX_SECONDS);
     for (uint32_t k = 1; k < c->keys; k++)
         if (c->time[k] <= c->time[k - 1])
             return glint_gltf_accessor_fault(g, &a, "time %u is %g, not after %g", k,
@@ -138,18 +143,47 @@ static bool fits_path(const struct glint_gltf_accessor *a, enum glint_channel_pa
     return a->components == components[path] && (a->type == GLTF_F32 || fraction);
 }
 
+static double length4(const float *q)
+{
+    return sqrt((double)q[0] * q[0] + (double)q[1] * q[1] + (double)q[2] * q[2] +
+                (double)q[3] * q[3]);
+}
+
+static bool make_unit(struct glint_gltf *g, struct glint_animation_channel *c)
+{
+    float *unit = glint_arena_array(&g->scene->arena, c->keys, 4 * sizeof *unit);
+    if (!unit)
+        return glint_gltf_nomem(g);
+    for (size_t i = 0; i < (size_t)c->keys * 4; i++)
+        unit[i] = (float)((double)c->value[i] / length4(c->value + i / 4 * 4));
+    c->value = unit;
+    return true;
+}
+
+// Those between which a spline runs keep their length, which their tangents belong to.
 static bool check_rotations(struct glint_gltf *g, const struct glint_gltf_accessor *a,
-                            const struct glint_animation_channel *c)
+                            struct glint_animation_channel *c)
 {
     const bool cubic = c->interpolation == GLINT_INTERPOLATION_CUBICSPLINE;
+    double worst = 0;
     for (uint32_t k = 0; k < c->keys; k++) {
-        const float *q = c->value + (size_t)(cubic ? 3 * k + 1 : k) * 4;
-        double square = 0;
-        for (int i = 0; i < 4; i++)
-            square += (double)q[i] * q[i];
-        if (!(square > 1e-12))
-            return glint_gltf_accessor_fault(g, a, "the quaternion of key %u is no rotation", k);
+        const double length = length4(c->value + (size_t)(cubic ? 3 * k + 1 : k) * 4);
+        if (!(length > 1e-6 && length <= MAX_LENGTH) ||
+            (cubic && fabs(length - 1) > CUBIC_TOLERANCE))
+            return glint_gltf_accessor_fault(
+                g, a, "the quaternion of key %u is no rotation: its length is %g", k, length);
+        worst = fmax(worst, fabs(length - 1));
     }
+    return cubic || worst <= UNIT_TOLERANCE || make_unit(g, c);
+}
+
+static bool check_weights(struct glint_gltf *g, const struct glint_gltf_accessor *a,
+                          const float *value)
+{
+    for (uint32_t i = 0; i < a->count; i++)
+        if (fabsf(value[i]) > GLINT_MAX_WEIGHT)
+            return glint_gltf_accessor_fault(g, a, "weight %u is %g; the limit is %g", i,
+                                             (double)value[i], (double)GLINT_MAX_WEIGHT);
     return true;
 }
 
@@ -171,7 +205,8 @@ static bool read_values(struct glint_gltf *g, const struct glint_json *sampler,
         return glint_json_fault(&at, "accessor %u has %u elements; %u keys need %llu", index,
                                 a.count, c->keys, (unsigned long long)count);
     c->value = read_floats(g, &a);
-    return c->value && (c->path != GLINT_PATH_ROTATION || check_rotations(g, &a, c));
+    return c->value && (c->path != GLINT_PATH_ROTATION || check_rotations(g, &a, c)) &&
+           (c->path != GLINT_PATH_WEIGHTS || check_weights(g, &a, c->value));
 }
 
 static bool read_sampler(struct reading *r, const struct glint_json *at,

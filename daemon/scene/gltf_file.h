@@ -78,6 +78,8 @@ struct glint_gltf_node {
     uint32_t channel[4]; // number of the last animation + 1 that has a channel of each path
     double translation[3], rotation[4], scale[3];
     double local[16], world[16]; // column-major
+    double rest[16];             // of a frame: world, but never singular
+    bool shrunk;                 // so small that it is not seen, it or a node above it
     const char *name;            // as authored, may be ""
     const char *asset; // extras.asset of the node or of the nearest node above it, or NULL
 };
@@ -204,6 +206,8 @@ void glint_gltf_read_animations(struct glint_gltf *g);
 void glint_gltf_read_skins(struct glint_gltf *g);
 // Makes scene->node of what moves and of what that needs, and lets channels and joints point there.
 void glint_gltf_make_frames(struct glint_gltf *g);
+// Leaves out channels of weights that nothing shown has. After the instances.
+void glint_gltf_drop_idle_channels(struct glint_gltf *g);
 // Morph targets of the mesh that a node shows, as its first primitive has them.
 uint32_t glint_gltf_targets(struct glint_gltf *g, const struct glint_json *node);
 // Where something with a direction but without a size lies: in the world, *frame GLINT_NONE, or in

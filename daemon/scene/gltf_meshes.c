@@ -221,8 +221,8 @@ static bool has_volume(struct glint_gltf *g, const struct showing *w, const doub
     const struct glint_gltf_node *n = &g->node[w->node];
     double world[16];
     float single[16];
-    glint_gltf_multiply(world, n->world, below);
-    if (w->skin != GLINT_NONE || glint_gltf_to_float(single, n->moves ? below : world))
+    glint_gltf_multiply(world, n->moves ? n->rest : n->world, below);
+    if (w->skin != GLINT_NONE || glint_gltf_to_float(single, world))
         return true;
     const char *name = n->name;
     glint_gltf_note(g, "node without volume",

@@ -156,7 +156,7 @@ const float *glint_gltf_weights(struct glint_gltf *g, const struct glint_json *o
     if (!weight)
         glint_gltf_nomem(g);
     else
-        glint_json_floats(&at, targets, -GLINT_MAX_COORDINATE, GLINT_MAX_COORDINATE, weight);
+        glint_json_floats(&at, targets, -GLINT_MAX_WEIGHT, GLINT_MAX_WEIGHT, weight);
     return weight;
 }
 

@@ -141,8 +141,10 @@ static void channels_keep_their_keys(void **state)
                 c[2].interpolation == GLINT_INTERPOLATION_CUBICSPLINE);
     assert_true(c[0].width == 3 && c[1].width == 4 && c[2].width == 3);
     gltf_floats_equal(c[0].value, &gltf_moving_data.move[0][0], 9, 0);
-    static const float turn16[12] = {0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, -1}; // -32768 is -1 too
-    gltf_floats_equal(c[1].value, turn16, 12, 0);
+    // -32768 is -1 too, and the last one is made unit
+    const float half = sqrtf(0.5f);
+    const float turn16[12] = {0, 0, 0, 1, 0, 0, 1, 0, half, 0, 0, -half};
+    gltf_floats_equal(c[1].value, turn16, 12, 1e-7f);
     gltf_floats_equal(c[2].value, &gltf_moving_data.curve[0][0][0], 27, 0);
     gltf_floats_equal(a[1].channel[0].value, &gltf_moving_data.turn[0][0], 12, 0);
     assert_string_equal(a[1].channel[0].id, "n.rotation"); // unique in its animation alone
@@ -224,7 +226,7 @@ static void times_grow_from_0_and_values_are_numbers(void **state)
     gltf_refuse_moving(rest, &data, "/accessors/4", "nan");
     data = gltf_moving_data;
     data.time[0] = -1;
-    gltf_refuse_moving(rest, &data, "/accessors/4", "before 0");
+    gltf_refuse_moving(rest, &data, "/accessors/4", "from -1 to 2");
     data = gltf_moving_data;
     data.move[1][2] = INFINITY;
     gltf_refuse_moving(rest, &data, "/accessors/5", "element 1 has the number inf");
@@ -232,6 +234,62 @@ static void times_grow_from_0_and_values_are_numbers(void **state)
     memset(data.turn[1], 0, sizeof data.turn[1]);
     gltf_refuse_moving(CHANNEL("'node':0,'path':'rotation'", "'input':4,'output':6"), &data,
                        "/accessors/6", "key 1 is no rotation");
+}
+
+static void rotations_of_a_spline_are_nearly_unit(void **state)
+{
+    (void)state;
+    // 3 keys of a spline need 9 quaternions: those of a hand-made accessor
+    static const float bin[3 + 36] = {0, 1, 2,                               // times
+                                      0, 0, 0, 0, 0, 0, 0, 1,    0, 0, 0, 0, //
+                                      9, 0, 0, 0, 0, 0, 0, 1.01, 0, 9, 0, 0, //
+                                      0, 0, 0, 0, 0, 1, 0, 0,    0, 0, 0, 0};
+    static const char *const json =
+        "{'asset':{'version':'2.0'},'buffers':[{'byteLength':156}],'bufferViews':[{'buffer':0,"
+        "'byteLength':12},{'buffer':0,'byteOffset':12,'byteLength':144}],'accessors':[{"
+        "'bufferView':0,'componentType':5126,'count':3,'type':'SCALAR'},{'bufferView':1,"
+        "'componentType':5126,'count':9,'type':'VEC4'}],'nodes':[{}],'animations':[{'channels':[{"
+        "'sampler':0,'target':{'node':0,'path':'rotation'}}],'samplers':[{'input':0,'output':1,"
+        "'interpolation':'CUBICSPLINE'}]}]}";
+    struct glint_scene *s = gltf_data(json, bin, sizeof bin);
+    gltf_floats_equal(s->animation[0].channel[0].value, bin + 3, 36, 0);
+    glint_scene_destroy(&s);
+    float longer[39];
+    size_t size;
+    memcpy(longer, bin, sizeof bin);
+    longer[3 + 12 + 7] = 1.05f;
+    uint8_t *glb = glb_make(json, longer, sizeof longer, &size);
+    gltf_refused(glb, size, GLINT_E_RANGE, "/accessors/1", "key 1 is no rotation");
+}
+
+// Scaled to nothing at rest, to be shown by an animation; what is below is scaled to nothing too.
+static void what_moves_may_be_hidden_at_rest(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_moving(
+        SQUARE ",'scenes':[{'nodes':[0]}],'nodes':[{'name':'seed','scale':[0,0,0],'children':[1]},"
+               "{'name':'leaf','scale':[0,2,2],'mesh':0}],'animations':[{'channels':[{'sampler':0,"
+               "'target':{'node':0,'path':'scale'}}],'samplers':[{'input':4,'output':5}]}]");
+    assert_int_equal(s->instances, 1);
+    assert_true(s->node[0].scale[0] == 1e-6f && s->node[1].scale[0] == 1 &&
+                s->node[1].scale[1] == 2);
+    assert_true(s->node[0].transform[5] == 1e-6f);
+    gltf_expect_warning(s, "node \"seed\" has no size");
+    gltf_expect_warning(s, "node \"leaf\" has no size");
+    glint_scene_destroy(&s);
+}
+
+static void weights_of_what_is_not_shown_are_dropped(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_moving(
+        "'meshes':[{'primitives':[{'mode':0,'attributes':{'POSITION':0},'targets':[{},{}]}]}],"
+        "'scenes':[{'nodes':[0]}],'nodes':[{'name':'n','mesh':0}],'animations':[{'name':'a',"
+        "'channels':[{'sampler':0,'target':{'node':0,'path':'weights'}}],'samplers':[{'input':4,"
+        "'output':8}]}]");
+    assert_int_equal(s->animations, 0);
+    gltf_expect_warning(s, "weights of animation \"a\" are ignored: node \"n\" shows nothing");
+    glint_scene_destroy(&s);
 }
 
 // --- skins
@@ -572,6 +630,9 @@ int main(void)
         cmocka_unit_test(channels_without_a_place_here_are_named),
         cmocka_unit_test(faults_of_channels_are_named),
         cmocka_unit_test(times_grow_from_0_and_values_are_numbers),
+        cmocka_unit_test(rotations_of_a_spline_are_nearly_unit),
+        cmocka_unit_test(what_moves_may_be_hidden_at_rest),
+        cmocka_unit_test(weights_of_what_is_not_shown_are_dropped),
         cmocka_unit_test(a_skinned_mesh_hangs_on_its_joints),
         cmocka_unit_test(weights_have_the_sum_1),
         cmocka_unit_test(faults_of_skins_are_named),
