@@ -246,6 +246,42 @@ static void cameras_keep_yfov_and_lose_scale(void **state)
                      "/cameras/0/orthographic/ymag", "nothing");
 }
 
+// --- who lights the scene
+
+#define LAMP(STRENGTH, MORE)                                                                   \
+    "'materials':[{'emissiveFactor':[1,1,1],'extensions':{'KHR_materials_emissive_strength':{" \
+    "'emissiveStrength':" STRENGTH                                                             \
+    "}}}],'meshes':[{'primitives':[{'material':0," GLB_QUAD_PRIMITIVE                          \
+    "}]}],'cameras':[{'type':'perspective','perspective':{'yfov':1}}],"                        \
+    "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point'}]}},'scenes':[{'nodes':["  \
+    "0,1]}],'nodes':[{'mesh':0},{" MORE "}]"
+
+// A label does not light what it is on; an interior whose lamp glows wants no sky.
+static void surfaces_light_a_file_that_has_a_camera_and_radiance_above_1(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *rest, *word;
+        bool environment;
+    } lit[] = {
+        {LAMP("20", "'camera':0"), NULL, false},
+        {LAMP("1", "'camera':0"), "has no lights", true},
+        {LAMP("20", ""), "neither lights nor cameras", true},
+        {LAMP("1", "'extensions':{'KHR_lights_punctual':{'light':0}}"), NULL, false},
+        {LAMP("0", "'camera':0"), "nothing in the scene emits", true},
+    };
+    for (size_t i = 0; i < sizeof lit / sizeof *lit; i++) {
+        struct glint_scene *s = gltf_quad(lit[i].rest);
+        assert_int_equal(glint_scene_complete_file(s, NULL), GLINT_OK);
+        assert_true(s->has_environment == lit[i].environment);
+        if (lit[i].word)
+            gltf_expect_warning(s, lit[i].word);
+        else
+            assert_false(gltf_warns(s, "environment"));
+        glint_scene_destroy(&s);
+    }
+}
+
 // --- what is ignored
 
 static void what_is_ignored_is_named(void **state)
@@ -321,6 +357,7 @@ int main(void)
         cmocka_unit_test(lights_keep_their_units_and_place),
         cmocka_unit_test(bad_lights_are_refused_with_their_place),
         cmocka_unit_test(cameras_keep_yfov_and_lose_scale),
+        cmocka_unit_test(surfaces_light_a_file_that_has_a_camera_and_radiance_above_1),
         cmocka_unit_test(what_is_ignored_is_named),
         cmocka_unit_test(warnings_of_a_kind_are_capped_and_counted),
         cmocka_unit_test(required_extensions_that_are_not_read_are_refused_by_name),
