@@ -115,6 +115,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/asset_set.c \
 	daemon/scene/assets.c \
 	daemon/scene/assets.h \
+	daemon/scene/centre.c \
 	daemon/scene/data_uri.c \
 	daemon/scene/data_uri.h \
 	daemon/scene/energy.c \
@@ -167,13 +168,16 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/import_jail.c \
 	daemon/scene/import_jail.h \
 	daemon/scene/import_native.c \
+	daemon/scene/instances.c \
 	daemon/scene/internal.h \
+	daemon/scene/kept.c \
 	daemon/scene/light_clusters.c \
 	daemon/scene/light_clusters.h \
 	daemon/scene/light_grid.c \
 	daemon/scene/light_grid.h \
 	daemon/scene/lights.c \
 	daemon/scene/materials.c \
+	daemon/scene/mattes.c \
 	daemon/scene/opacity.c \
 	daemon/scene/place.c \
 	daemon/scene/pose.c \
@@ -192,6 +196,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/posed.c \
 	daemon/scene/posed.h \
 	daemon/scene/records.c \
+	daemon/scene/records.h \
 	daemon/scene/resident.c \
 	daemon/scene/resident.h \
 	daemon/scene/revision.c \
@@ -199,8 +204,12 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/rows.c \
 	daemon/scene/sha256.c \
 	daemon/scene/sha256.h \
+	daemon/scene/shape.c \
+	daemon/scene/shape.h \
+	daemon/scene/share.c \
 	daemon/scene/store.c \
 	daemon/scene/store.h \
+	daemon/scene/tangents.c \
 	daemon/scene/textures.c
 nodist_libglintdaemon_a_SOURCES = kernels/embedded.c protocol/contract.c
 

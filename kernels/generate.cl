@@ -22,9 +22,9 @@ __kernel void generate_camera_rays(__global float *restrict wave, const gk_u32 s
     GK_STORE(GK_COL_DY, i, ray.d.y);
     GK_STORE(GK_COL_DZ, i, ray.d.z);
     GK_STORE(GK_COL_T, i, inside ? GK_INFINITY : -GK_INFINITY);
-    GK_STORE(GK_COL_BETA_R, i, 1.0f);
-    GK_STORE(GK_COL_BETA_G, i, 1.0f);
-    GK_STORE(GK_COL_BETA_B, i, 1.0f);
+    GK_STORE(GK_COL_BETA_R, i, frame->weight);
+    GK_STORE(GK_COL_BETA_G, i, frame->weight);
+    GK_STORE(GK_COL_BETA_B, i, frame->weight);
     GK_STORE(GK_COL_PDF, i, -1.0f);
 #ifdef GK_SHUTTER
     GK_STORE(GK_COL_TIME, i, ray.time);

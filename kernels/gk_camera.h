@@ -77,6 +77,21 @@ GK_INLINE void gk_camera_raster(const GK_GLOBAL struct gk_frame *f, struct gk_la
     *py = (gk_f32)(gk_i32)lane.y + 0.5f + dy;
 }
 
+#ifdef GK_FLOW
+// Pixels from (px, py) to where `to`, gk_frame.to_after or to_before, sees p; y up. w 0: p is a
+// direction. Nothing where it would be behind the camera.
+GK_INLINE void gk_camera_flow(const GK_GLOBAL gk_f32 *to, struct gk_vec p, gk_f32 w, gk_f32 px,
+                              gk_f32 py, gk_f32 *u, gk_f32 *v)
+{
+    const gk_f32 x = to[0] * p.x + to[1] * p.y + to[2] * p.z + to[3] * w;
+    const gk_f32 y = to[4] * p.x + to[5] * p.y + to[6] * p.z + to[7] * w;
+    const gk_f32 z = to[8] * p.x + to[9] * p.y + to[10] * p.z + to[11] * w;
+    const gk_i32 ahead = z > 0.0f;
+    *u = ahead ? x / z - px : 0.0f;
+    *v = ahead ? py - y / z : 0.0f;
+}
+#endif
+
 GK_INLINE gk_f32 gk_camera_time(struct gk_lane lane)
 {
 #ifdef GK_SHUTTER

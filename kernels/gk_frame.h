@@ -40,12 +40,12 @@ struct gk_frame {
         medium_high[3]; // its box, relative to the scene's centre; may be infinite
     gk_u32 solid;       // GK_COL_SOLID and GK_COL_NESTED at the camera
     gk_u32 nested[4];
+    gk_f32 weight; // of a camera ray: radiance is given as in open space, n^2 less than in a solid
     gk_f32 to_after[12],
         to_before[12]; // to (x w, y w, w) in pixels, y down; row-major, a frame off
     gk_f32 grid_origin[3], grid_scale[3]; // light grid: least corner, cells per metre
     gk_u32 grid_size[3], grid_clusters;   // cells along each axis; 0 clusters: no grid
     gk_u32 grid_members, grid_owners;     // words of its table (gk_light_grid.h)
-    gk_u32 unused;
 };
 GK_LAYOUT(gk_frame, 928);
 

@@ -224,6 +224,36 @@ GK_INLINE void gk_go_on(__global float *wave, gk_u32 stride, gk_u32 i,
     gk_store_carried(wave, stride, i, x, &next);
 }
 
+#ifdef GK_FLOW
+// Where the first hit is a frame later and a frame earlier. What lies at infinity is a direction.
+GK_INLINE void gk_store_flow(__global float *wave, gk_u32 stride,
+                             const __global struct gk_frame *frame, const struct gk_resident *scene,
+                             const struct gk_vertex *x)
+{
+    const gk_u32 lane = x->path.lane;
+    const __global struct gk_instance *row = scene->instance + x->hit.instance;
+    const gk_u32 first = row->mover == GK_NONE ? GK_NONE : scene->mover[row->mover].flow;
+    const gk_i32 moves = first != GK_NONE && !x->missed;
+    const __global struct gk_flow *flow =
+        scene->flow + (moves ? first + (x->hit.triangle - row->triangle) : 0u);
+    const struct gk_vec still = gk_vec_select(
+        gk_along(x->path.o, x->path.d, x->missed ? 0.0f : x->path.t), x->path.d, x->missed);
+    const struct gk_vec after =
+        gk_vec_select(still, gk_interpolate3(flow->after, x->hit.u, x->hit.v), moves);
+    const struct gk_vec before =
+        gk_vec_select(still, gk_interpolate3(flow->before, x->hit.u, x->hit.v), moves);
+    const gk_f32 w = x->missed ? 0.0f : 1.0f;
+    gk_f32 px, py, u, v;
+    gk_camera_raster(frame, x->lane, &px, &py);
+    gk_camera_flow(frame->to_after, after, w, px, py, &u, &v);
+    GK_STORE(GK_COL_FORWARD_U, lane, u);
+    GK_STORE(GK_COL_FORWARD_V, lane, v);
+    gk_camera_flow(frame->to_before, before, w, px, py, &u, &v);
+    GK_STORE(GK_COL_BACKWARD_U, lane, u);
+    GK_STORE(GK_COL_BACKWARD_V, lane, v);
+}
+#endif
+
 // The first surface behind the pixel, for mattes, alpha and AOVs; a medium hides nothing from them.
 GK_INLINE void gk_store_first_hit(__global float *wave, gk_u32 stride,
                                   const __global struct gk_frame *frame,
@@ -246,6 +276,9 @@ GK_INLINE void gk_store_first_hit(__global float *wave, gk_u32 stride,
     GK_STORE(GK_COL_AB, lane, missed ? 0.0f : x->surface.base.z);
 #else
     (void)frame;
+#endif
+#ifdef GK_FLOW
+    gk_store_flow(wave, stride, frame, scene, x);
 #endif
 }
 

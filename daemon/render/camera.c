@@ -172,6 +172,7 @@ void glint_render_constants(const struct glint_view *r, struct gk_frame *out)
 {
     memset(out, 0, sizeof *out);
     fill_camera(r, out);
+    out->weight = 1.0f;
     fill_flow(r, out);
     fill_medium(r, out);
     fill_lighting(r, out);

@@ -78,6 +78,10 @@ glint_status glint_render_create_forced(glint_render **out, struct glint_devices
                                         const struct glint_job *job, uint64_t force,
                                         struct glint_error *err);
 
+// Fills the members that say which solids the camera is in; its origin and wave_job.geometry are set.
+glint_status glint_render_inside(const struct glint_view *v, struct gk_frame *f,
+                                 struct glint_error *err);
+
 // Whether the camera moves while the shutter is open.
 bool glint_render_camera_moves(const struct glint_view *v);
 

@@ -52,7 +52,11 @@ static glint_status prepare(struct glint_view *v, const struct glint_view *like,
         st = glint_buffer_create(&v->frame, devices, sizeof(struct gk_frame), err);
     if (st)
         return st;
-    glint_render_constants(v, glint_buffer_host(v->frame));
+    struct gk_frame *frame = glint_buffer_host(v->frame);
+    glint_render_constants(v, frame);
+    st = glint_render_inside(v, frame, err);
+    if (st)
+        return st;
     fill_wave_job(v);
     return like && like->program == v->program ? GLINT_OK
                                                : glint_wave_compile(devices, &v->wave_job, err);
