@@ -7,6 +7,7 @@ UNIT_TESTS = \
 	tests/clients/test_uri \
 	tests/kernel/test_bsdf \
 	tests/kernel/test_bsdf_density \
+	tests/kernel/test_bsdf_layers \
 	tests/kernel/test_dialects \
 	tests/kernel/test_filter \
 	tests/kernel/test_fresnel \

@@ -379,7 +379,7 @@ static void each_fact_calls_for_its_own_row(void **state)
     struct glint_job *job = offline_job(text);
     const struct glint_camera camera = {.yfov = 1.0f};
     for (size_t i = 0; i < COUNT(fact); i++) {
-        const struct glint_effect_input in = {&fact[i].facts, job, &camera};
+        const struct glint_effect_input in = {&fact[i].facts, job, &camera, false};
         assert_int_equal(glint_effects_called(&in), bits_of(fact[i].calls));
     }
     glint_job_destroy(&job);
