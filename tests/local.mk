@@ -14,6 +14,7 @@ UNIT_TESTS = \
 	tests/kernel/test_light \
 	tests/kernel/test_math \
 	tests/kernel/test_matte \
+	tests/kernel/test_medium \
 	tests/kernel/test_sampler \
 	tests/render/test_camera \
 	tests/render/test_effects \
@@ -97,12 +98,14 @@ tests_stability_test_rays_SOURCES = tests/stability/test_rays.c $(stable)
 tests_stability_test_texture_SOURCES = tests/stability/test_texture.c $(stable)
 
 # Measurements: built and run by name.
-EXTRA_PROGRAMS += tests/bench/embree_share tests/bench/exr_tile
+EXTRA_PROGRAMS += tests/bench/embree_share tests/bench/exr_tile tests/bench/million_scene
 tests_bench_embree_share_SOURCES = tests/bench/embree_share.c tests/bench/bench.c \
 	tests/bench/bench.h $(offline)
 tests_bench_embree_share_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_geometry_trace_wave \
 	-Wl,--wrap=glint_geometry_shadow_wave
 tests_bench_exr_tile_LDADD = $(PROTOCOL_LIBS)
+tests_bench_million_scene_SOURCES = tests/bench/million_scene.c tests/bench/bench.c \
+	tests/bench/bench.h
 
 # Jobs over stand-ins for renders and scenes.
 jobs_fixture = tests/unit/fake_render.c tests/unit/fake_render.h tests/unit/fake_scene.c \
@@ -150,7 +153,7 @@ SCRIPT_TESTS = \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
-dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/bench/run tests/bench/vectorised
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/bench/run tests/bench/update_latency tests/bench/vectorised
 dist_check_DATA += tests/clients/cli.py tests/clients/fake_daemon.py tests/http/daemon.py \
 	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/surface.h \
 	tests/render/cryptomatte.py tests/render/cryptomatte_node.py \
