@@ -51,35 +51,36 @@ GK_INLINE gk_f32 gk_medium_distance(const GK_GLOBAL struct gk_frame *f, struct g
 
 #define GK_PHASE_DELTA 0.999755859375f // 1 - 2^-12: beyond it light goes straight on, or back
 
-// pdf and value are the same: the function integrates to 1. d: direction of travel before.
+// pdf and value are the same: the function integrates to 1. d: direction of travel before. Backward
+// scattering is forward scattering of the opposite direction, so both peaks keep their digits.
 GK_INLINE gk_f32 gk_phase_eval(gk_f32 g, struct gk_vec d, struct gk_vec wi)
 {
+    const gk_f32 a = gk_abs(g);
     // 1 - cos without cancellation: half the square of the difference of two unit vectors.
-    const struct gk_vec e = gk_sub(wi, d);
-    const gk_f32 x = (1.0f - g) * (1.0f - g) + g * gk_dot(e, e);
-    const gk_f32 value = (1.0f - g * g) / (4.0f * GK_PI * x * gk_sqrt(x));
-    return gk_abs(g) > GK_PHASE_DELTA ? 0.0f : value;
+    const struct gk_vec e = gk_along(wi, d, g < 0.0f ? 1.0f : -1.0f);
+    const gk_f32 x = (1.0f - a) * (1.0f - a) + a * gk_dot(e, e);
+    const gk_f32 value = (1.0f - a * a) / (4.0f * GK_PI * x * gk_sqrt(x));
+    return a > GK_PHASE_DELTA ? 0.0f : value;
 }
 
-// 1 - cos of the angle to d, in the form that neither divides by g nor leaves [0, 2]; exactly 0 or 2
-// for a delta.
-GK_INLINE gk_f32 gk_phase_one_minus_cos(gk_f32 g, gk_f32 u)
+// 1 - cos of the angle to the peak, a = |g|, in the form that neither divides by a nor leaves [0, 2];
+// exactly 0 for a delta.
+GK_INLINE gk_f32 gk_phase_one_minus_cos(gk_f32 a, gk_f32 u)
 {
     const gk_f32 s = 2.0f * u - 1.0f;
-    const gk_f32 q = (1.0f - g) + 2.0f * g * u; // 1 + g s
-    const gk_f32 r = (1.0f - g) / gk_max(q, 1e-20f);
-    const gk_f32 x = 0.5f * r * r * (1.0f - s) * (2.0f + g * (1.0f + s));
-    const gk_f32 bent = gk_clamp(x, 0.0f, 2.0f);
-    return g > GK_PHASE_DELTA ? 0.0f : g < -GK_PHASE_DELTA ? 2.0f : bent;
+    const gk_f32 q = (1.0f - a) + 2.0f * a * u; // 1 + a s
+    const gk_f32 r = (1.0f - a) / gk_max(q, 1e-20f);
+    const gk_f32 x = 0.5f * r * r * (1.0f - s) * (2.0f + a * (1.0f + s));
+    return a > GK_PHASE_DELTA ? 0.0f : gk_clamp(x, 0.0f, 2.0f);
 }
 
 GK_INLINE struct gk_vec gk_phase_sample(gk_f32 g, struct gk_vec d, gk_f32 u, gk_f32 v)
 {
-    const gk_f32 x = gk_phase_one_minus_cos(g, u);
+    const gk_f32 x = gk_phase_one_minus_cos(gk_abs(g), u);
     gk_f32 sine, cosine;
     gk_sincos_2pi(v, &sine, &cosine);
     const gk_f32 r = gk_sqrt(gk_max(x * (2.0f - x), 0.0f));
-    const struct gk_onb onb = gk_onb_make(d);
+    const struct gk_onb onb = gk_onb_make(gk_vec_select(d, gk_negate(d), g < 0.0f));
     return gk_normalise(gk_to_world(onb, gk_vec(r * cosine, r * sine, 1.0f - x)));
 }
 
