@@ -39,10 +39,13 @@ glint_status glint_posed_request(struct glint_pose_request *out, const struct gl
 {
     const double fps = job->fps > 0 ? job->fps : scene->fps;
     const double open = job->frame + (double)job->shutter[0];
+    const double close = job->frame + (double)job->shutter[1];
+    // A frame from the middle of the shutter: the mean over the moments that samples see is a frame.
+    const double middle = 0.5 * (open + close);
     *out = (struct glint_pose_request){.open = open / fps,
-                                       .close = (job->frame + (double)job->shutter[1]) / fps,
-                                       .before = (open - 1) / fps,
-                                       .after = (open + 1) / fps,
+                                       .close = close / fps,
+                                       .before = (middle - 1) / fps,
+                                       .after = (middle + 1) / fps,
                                        .flow = job->outputs & GLINT_OUT_MOTION};
     if (glint_pose_animation(scene, job->animation, &out->animation))
         return GLINT_OK;
