@@ -237,7 +237,7 @@ struct glint_medium {
     char *id;
     float density;   // extinction, 1/m, >= 0
     float albedo[3]; // 0..1, share of the extinction that scatters
-    float g;         // -0.999..0.999, mean cosine
+    float g;         // -1..1, mean cosine
     bool bounded;    // else it has no end, and nothing shines through it from infinity
     float box[6];    // least and greatest corner, metres in the world
 };

@@ -19,8 +19,10 @@ UNIT_TESTS = \
 	tests/render/test_camera \
 	tests/render/test_effects \
 	tests/render/test_features \
+	tests/render/test_flow \
 	tests/render/test_matte_names \
 	tests/render/test_mattes \
+	tests/render/test_motion \
 	tests/render/test_transport \
 	tests/unit/test_arena \
 	tests/unit/test_contract \
@@ -54,6 +56,13 @@ UNIT_TESTS = \
 	tests/unit/test_queue \
 	tests/unit/test_range \
 	tests/unit/test_scene \
+	tests/unit/test_scene_material \
+	tests/unit/test_scene_mesh \
+	tests/unit/test_scene_mutated \
+	tests/unit/test_scene_primitives \
+	tests/unit/test_scene_time \
+	tests/unit/test_scene_trust \
+	tests/unit/test_scene_write \
 	tests/unit/test_scheduler \
 	tests/unit/test_schema \
 	tests/unit/test_status \
@@ -86,6 +95,9 @@ tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
 
 stable = tests/stability/stable.c tests/stability/stable.h $(offline)
 tests_render_test_effects_SOURCES = tests/render/test_effects.c $(stable)
+moving = tests/render/moving.c tests/render/moving.h $(stable)
+tests_render_test_flow_SOURCES = tests/render/test_flow.c $(moving)
+tests_render_test_motion_SOURCES = tests/render/test_motion.c $(moving)
 tests_render_test_features_SOURCES = tests/render/test_features.c $(stable)
 tests_stability_test_degenerate_SOURCES = tests/stability/test_degenerate.c $(stable)
 tests_stability_test_demo_SOURCES = tests/stability/test_demo.c $(stable)
@@ -125,6 +137,15 @@ tests_unit_test_jobs_SOURCES = tests/unit/test_jobs.c $(jobs_fixture)
 pose_scene = tests/unit/pose_scene.c tests/unit/pose_scene.h
 tests_unit_test_pose_SOURCES = tests/unit/test_pose.c $(pose_scene)
 tests_unit_test_pose_deform_SOURCES = tests/unit/test_pose_deform.c $(pose_scene)
+scene_text = tests/unit/scene_text.c tests/unit/scene_text.h
+tests_unit_test_scene_SOURCES = tests/unit/test_scene.c $(scene_text)
+tests_unit_test_scene_material_SOURCES = tests/unit/test_scene_material.c $(scene_text)
+tests_unit_test_scene_mesh_SOURCES = tests/unit/test_scene_mesh.c $(scene_text)
+tests_unit_test_scene_mutated_SOURCES = tests/unit/test_scene_mutated.c $(scene_text)
+tests_unit_test_scene_primitives_SOURCES = tests/unit/test_scene_primitives.c $(scene_text)
+tests_unit_test_scene_time_SOURCES = tests/unit/test_scene_time.c $(scene_text)
+tests_unit_test_scene_trust_SOURCES = tests/unit/test_scene_trust.c $(scene_text)
+tests_unit_test_scene_write_SOURCES = tests/unit/test_scene_write.c $(scene_text)
 tests_unit_test_scheduler_SOURCES = tests/unit/test_scheduler.c $(jobs_fixture)
 tests_unit_test_store_SOURCES = tests/unit/test_store.c tests/unit/fake_scene.c \
 	tests/unit/fake_scene.h
