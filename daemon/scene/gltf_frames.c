@@ -45,17 +45,17 @@ static bool take_apart(struct glint_gltf_node *n)
     return clean;
 }
 
-static void take_animated_apart(struct glint_gltf *g, struct glint_gltf_node *n)
+static void take_animated_apart(struct glint_gltf *g, struct glint_gltf_node *n, const char *name)
 {
     const bool clean = take_apart(n);
     glint_gltf_note(g, "animated matrix",
                     "node \"%.200s\" is animated and has a matrix: it is taken apart into "
                     "translation, rotation and scale%s",
-                    n->name, clean ? "" : ", and its shear is lost");
+                    name, clean ? "" : ", and its shear is lost");
 }
 
 // Fills n->rest. Scales of 0, a common way to hide, become tiny ones that can be undone.
-static bool stay_regular(struct glint_gltf *g, struct glint_gltf_node *n)
+static bool stay_regular(struct glint_gltf *g, struct glint_gltf_node *n, const char *name)
 {
     const struct glint_gltf_node *above = n->parent == GLINT_NONE ? NULL : &g->node[n->parent];
     float unused[16];
@@ -72,7 +72,7 @@ static bool stay_regular(struct glint_gltf *g, struct glint_gltf_node *n)
     glint_gltf_compose(n->local, n->translation, n->rotation, n->scale);
     multiply_rest(n, above);
     glint_gltf_note(g, "node without size",
-                    "node \"%.200s\" has no size in some direction; it gets a tiny one", n->name);
+                    "node \"%.200s\" has no size in some direction; it gets a tiny one", name);
     return glint_gltf_to_float(unused, n->rest);
 }
 
@@ -97,8 +97,8 @@ static void add_frame(struct glint_gltf *g, uint32_t i)
         return;
     }
     if (n->matrix && n->animated)
-        take_animated_apart(g, n);
-    const bool regular = stay_regular(g, n);
+        take_animated_apart(g, n, out->name);
+    const bool regular = stay_regular(g, n, out->name);
     out->parent = n->parent == GLINT_NONE ? GLINT_NONE : g->node[n->parent].frame;
     out->matrix = n->matrix;
     if (!n->matrix) {
