@@ -9,8 +9,9 @@
 //   GGX refraction  (1-m) t base (1-R), solid (bends, radiance scaled by 1/eta^2) or thin
 //                   (the reflection mirrored through the wall, Khronos KHR_materials_transmission)
 //   multiple        GK_MULTISCATTER: what met several facets of the reflection, of metal and of
-//                   opaque dielectric; drawn with the diffuse lobe. What a rough refraction loses
-//                   stays lost
+//                   opaque dielectric; drawn with the diffuse lobe. The diffuse lobe then lies below
+//                   a rough interface: the albedo of its reflection takes the place of R. What a
+//                   rough refraction loses stays lost
 //   coat            GK_CLEARCOAT: gk_coat.h, over all of these
 // Below GK_ALPHA_DELTA reflection and refraction are delta lobes: never a value of f, only a
 // weight of a sample.
@@ -44,17 +45,21 @@ struct gk_surface {
     gk_f32 collimation;             // under GK_COLLIMATION
     struct gk_coat coat;            // under GK_CLEARCOAT
     const GK_GLOBAL gk_f32 *energy; // table of gk_energy.h, under GK_CLEARCOAT and GK_MULTISCATTER
+    gk_i32 interface; // part of the table that is the dielectric's from outside, 0: none
 
     // Prepared for wo:
-    struct gk_vec tint;    // k
-    gk_f32 fresnel_o;      // of the dielectric at wo.z
-    gk_f32 p_diffuse;      // probability of choosing the diffuse lobe
-    gk_f32 p_facet;        // of reflection and refraction
-    gk_f32 alpha_t;        // of the refraction
-    gk_f32 p_reflect;      // of reflection among p_facet, where `scatters`
-    struct gk_vec again;   // multiple scattering over (1-E(i)) cos/pi
-    gk_i32 delta, delta_t; // reflection, refraction is a delta lobe
-    gk_i32 scatters;       // alpha_t > alpha
+    struct gk_vec tint;        // k
+    gk_f32 fresnel_o;          // of the dielectric at wo.z
+    gk_f32 p_diffuse;          // probability of choosing the diffuse lobe
+    gk_f32 p_facet;            // of reflection and refraction
+    gk_f32 alpha_t;            // of the refraction
+    gk_f32 p_reflect;          // of reflection among p_facet, where `scatters`
+    struct gk_vec again;       // multiple scattering over (1-E(i)) cos/pi
+    struct gk_vec again_below; // of the dielectric, the share of 1-E that it returns
+    struct gk_vec below_o;     // (1-A(o)) / (1-Amean) of a rough interface, A its albedo
+    gk_i32 rough;              // the diffuse lobe is below a rough interface
+    gk_i32 delta, delta_t;     // reflection, refraction is a delta lobe
+    gk_i32 scatters;           // alpha_t > alpha
 };
 
 struct gk_bsdf_value {
@@ -112,28 +117,64 @@ GK_INLINE void gk_collimation_prepare(struct gk_surface *s, gk_f32 reflect, gk_f
     s->p_reflect = 1.0f;
 #endif
     s->scatters = s->alpha_t > s->alpha;
-    s->delta = s->alpha < GK_ALPHA_DELTA;
     s->delta_t = s->alpha_t < GK_ALPHA_DELTA;
 }
 
 #ifdef GK_MULTISCATTER
-// Albedo of multiple scattering, of which `again` is the part that does not depend on wi. Kulla and
-// Conty 2017: (1-E(o))(1-E(i)) / (pi (1-Emean)), tinted by R^2 Emean / (1 - R (1-Emean)).
+// Reflectance of a dielectric where `white` of a white one is reflected and `part` with the exact
+// curve alone: R is linear in F.
+GK_INLINE struct gk_vec gk_rough_dielectric(const struct gk_surface *s, gk_f32 white, gk_f32 part)
+{
+#ifdef GK_SPECULAR
+    const struct gk_vec r = gk_along(gk_splat(part), s->tint, white - part);
+    return gk_vec(s->specular * gk_max(r.x, 0.0f), s->specular * gk_max(r.y, 0.0f),
+                  s->specular * gk_max(r.z, 0.0f));
+#else
+    (void)s;
+    (void)white;
+    return gk_splat(part);
+#endif
+}
+
+// Share of what one reflection loses that further ones return: R^2 Emean / (1 - R (1-Emean)).
+GK_INLINE struct gk_vec gk_multiple_tint(struct gk_vec r, gk_f32 mean)
+{
+    const gk_f32 loss = 1.0f - mean;
+    return gk_vec(r.x * r.x * mean / (1.0f - r.x * loss), r.y * r.y * mean / (1.0f - r.y * loss),
+                  r.z * r.z * mean / (1.0f - r.z * loss));
+}
+
+// Albedo of all that the rough interface reflects.
+GK_INLINE struct gk_vec gk_interface_albedo(const struct gk_surface *s, gk_f32 cosine)
+{
+    const gk_f32 white = gk_energy_albedo(s->energy, GK_ENERGY_WHITE, cosine, s->alpha);
+    const gk_f32 part = gk_energy_albedo(s->energy, s->interface, cosine, s->alpha);
+    return gk_along(gk_rough_dielectric(s, white, part), s->again_below, 1.0f - white);
+}
+
+// Albedo of multiple scattering, of which `again` is the part that does not depend on wi: Kulla and
+// Conty 2017, (1-E(o))(1-E(i)) / (pi (1-Emean)), for metal and for opaque dielectric.
 GK_INLINE gk_f32 gk_multiple_prepare(struct gk_surface *s, gk_f32 cos_o)
 {
-    const struct gk_vec fd = gk_dielectric(s, s->fresnel_mean);
+    const gk_f32 mean = gk_energy_mean(s->energy, GK_ENERGY_WHITE, s->alpha);
+    const gk_f32 part = gk_energy_mean(s->energy, s->interface, s->alpha);
+    const gk_f32 white_o = gk_energy_albedo(s->energy, GK_ENERGY_WHITE, cos_o, s->alpha);
     const struct gk_vec fm =
-        gk_along(gk_scale(s->base, 20.0f / 21.0f), gk_splat(1.0f), 1.0f / 21.0f);
+        gk_along(gk_scale(s->base, 20.0f / 21.0f), gk_splat(1.0f / 21.0f), 1.0f);
     const gk_f32 opaque = (1.0f - s->metallic) * (1.0f - s->transmission);
-    const struct gk_vec f = gk_along(gk_scale(fm, s->metallic), fd, opaque);
-    const gk_f32 loss = gk_energy_mean_loss(s->energy, s->alpha);
-    const gk_f32 loss_o = 1.0f - gk_energy_albedo(s->energy, GK_ENERGY_WHITE, cos_o, s->alpha);
-    const gk_f32 kept = 1.0f - loss, o = s->delta ? 0.0f : loss_o;
+    s->again_below = gk_multiple_tint(gk_dielectric(s, s->fresnel_mean), mean);
     const struct gk_vec tint =
-        gk_vec(f.x * f.x * kept / (1.0f - f.x * loss), f.y * f.y * kept / (1.0f - f.y * loss),
-               f.z * f.z * kept / (1.0f - f.z * loss));
-    s->again = gk_scale(tint, o / gk_max(loss, 1e-6f));
-    return gk_mean3(tint) * o;
+        gk_along(gk_scale(gk_multiple_tint(fm, mean), s->metallic), s->again_below, opaque);
+    const gk_f32 loss_o = s->delta ? 0.0f : 1.0f - white_o;
+    s->again = gk_scale(tint, loss_o / gk_max(1.0f - mean, 1e-6f));
+    s->rough = !s->delta && s->eta > 1.0f && s->interface > 0;
+    const struct gk_vec o = gk_interface_albedo(s, cos_o);
+    const struct gk_vec all =
+        gk_along(gk_rough_dielectric(s, mean, part), s->again_below, 1.0f - mean);
+    s->below_o = gk_vec((1.0f - o.x) / gk_max(1.0f - all.x, 1e-6f),
+                        (1.0f - o.y) / gk_max(1.0f - all.y, 1e-6f),
+                        (1.0f - o.z) / gk_max(1.0f - all.z, 1e-6f));
+    return gk_mean3(tint) * loss_o;
 }
 #endif
 
@@ -145,7 +186,12 @@ GK_INLINE void gk_lobes_prepare(struct gk_surface *s, struct gk_vec wo)
     const struct gk_vec fm = gk_fresnel_metal(s->base, cos_o);
     s->fresnel_o = gk_fresnel_dielectric(cos_o, s->eta);
     gk_specular_prepare(s);
-    const struct gk_vec r = gk_dielectric(s, s->fresnel_o);
+    s->delta = s->alpha < GK_ALPHA_DELTA;
+    struct gk_vec r = gk_dielectric(s, s->fresnel_o);
+#ifdef GK_MULTISCATTER
+    const gk_f32 again = gk_multiple_prepare(s, cos_o);
+    r = gk_vec_select(r, gk_interface_albedo(s, cos_o), s->rough);
+#endif
     const gk_f32 least = gk_min(r.x, gk_min(r.y, r.z));
     const gk_f32 below = (1.0f - s->metallic) * (1.0f - least) * gk_mean3(s->base);
     const gk_f32 refract = below * s->transmission;
@@ -155,7 +201,7 @@ GK_INLINE void gk_lobes_prepare(struct gk_surface *s, struct gk_vec wo)
     gk_f32 diffuse = below * (1.0f - s->transmission);
     const gk_f32 other = refract + mirror + gloss;
 #ifdef GK_MULTISCATTER
-    diffuse += gk_multiple_prepare(s, cos_o);
+    diffuse += again;
 #endif
 #ifdef GK_CLEARCOAT
     gk_coat_prepare(&s->coat, s->energy, wo);
@@ -194,9 +240,17 @@ GK_INLINE struct gk_vec gk_diffuse_coupling(const struct gk_surface *s, gk_f32 c
     const struct gk_vec o = gk_dielectric(s, s->fresnel_o);
     const struct gk_vec i = gk_dielectric(s, gk_fresnel_dielectric(cos_i, s->eta));
     const struct gk_vec mean = gk_dielectric(s, s->fresnel_mean);
-    return gk_vec((1.0f - o.x) * (1.0f - i.x) / gk_max(1.0f - mean.x, 1e-6f),
-                  (1.0f - o.y) * (1.0f - i.y) / gk_max(1.0f - mean.y, 1e-6f),
-                  (1.0f - o.z) * (1.0f - i.z) / gk_max(1.0f - mean.z, 1e-6f));
+    const struct gk_vec smooth = gk_vec((1.0f - o.x) * (1.0f - i.x) / gk_max(1.0f - mean.x, 1e-6f),
+                                        (1.0f - o.y) * (1.0f - i.y) / gk_max(1.0f - mean.y, 1e-6f),
+                                        (1.0f - o.z) * (1.0f - i.z) / gk_max(1.0f - mean.z, 1e-6f));
+#ifdef GK_MULTISCATTER
+    const struct gk_vec a = gk_interface_albedo(s, gk_min(cos_i, 1.0f));
+    const struct gk_vec rough = gk_vec(s->below_o.x * (1.0f - a.x), s->below_o.y * (1.0f - a.y),
+                                       s->below_o.z * (1.0f - a.z));
+    return gk_vec_select(smooth, rough, s->rough);
+#else
+    return smooth;
+#endif
 #else
     (void)s;
     (void)cos_i;

@@ -1,19 +1,19 @@
 // gk_energy.h - what a rough reflection keeps of the light, from a table.
 //
 // E(cos, alpha) is the directional albedo of single-scattering GGX with height-correlated masking.
-// Three parts: E with a reflectance of 1, E with that of an interface of index 1.5 (a coat), and
-// 1 - E of the first in the hemispherical mean. Bilinear in sqrt(cos) and sqrt(alpha): within 0.009
-// of the integral for cos >= 1e-3, and within 0.002 for cos >= 0.05.
+// The table has a part for a reflectance of 1 and one for each interface that a scene has, the first
+// of them of index 1.5, which is also a coat's. A part is E, then its hemispherical mean 2 Int E c dc
+// for each alpha. Bilinear in sqrt(cos) and sqrt(alpha): within 0.009 of the integral for
+// cos >= 1e-3, and within 0.002 for cos >= 0.05.
 #ifndef GK_ENERGY_H
 #define GK_ENERGY_H
 
 #include "kernels/gk_math.h"
 
 #define GK_ENERGY_SIDE 32 // entries for sqrt(cos), and for sqrt(alpha), from 0 to 1
+#define GK_ENERGY_PART (GK_ENERGY_SIDE * (GK_ENERGY_SIDE + 1)) // entries
 #define GK_ENERGY_WHITE 0
-#define GK_ENERGY_COAT (GK_ENERGY_SIDE * GK_ENERGY_SIDE)
-#define GK_ENERGY_MEAN_LOSS (2 * GK_ENERGY_SIDE * GK_ENERGY_SIDE)
-#define GK_ENERGY_ENTRIES (GK_ENERGY_MEAN_LOSS + GK_ENERGY_SIDE)
+#define GK_ENERGY_COAT GK_ENERGY_PART
 
 // Place of x in 0..1 between entries: the lower one and the weight of the upper.
 struct gk_energy_place {
@@ -36,7 +36,7 @@ GK_INLINE gk_f32 gk_energy_row(const GK_GLOBAL gk_f32 *row, struct gk_energy_pla
     return a + (b - a) * at.weight;
 }
 
-// part: GK_ENERGY_WHITE, GK_ENERGY_COAT.
+// part: offset of its first entry.
 GK_INLINE gk_f32 gk_energy_albedo(const GK_GLOBAL gk_f32 *table, gk_i32 part, gk_f32 cosine,
                                   gk_f32 alpha)
 {
@@ -46,9 +46,9 @@ GK_INLINE gk_f32 gk_energy_albedo(const GK_GLOBAL gk_f32 *table, gk_i32 part, gk
     return a + (b - a) * y.weight;
 }
 
-GK_INLINE gk_f32 gk_energy_mean_loss(const GK_GLOBAL gk_f32 *table, gk_f32 alpha)
+GK_INLINE gk_f32 gk_energy_mean(const GK_GLOBAL gk_f32 *table, gk_i32 part, gk_f32 alpha)
 {
-    return gk_energy_row(table + GK_ENERGY_MEAN_LOSS, gk_energy_find(alpha));
+    return gk_energy_row(table + part + GK_ENERGY_SIDE * GK_ENERGY_SIDE, gk_energy_find(alpha));
 }
 
 #endif

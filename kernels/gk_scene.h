@@ -40,15 +40,16 @@ struct gk_tangent {
 };
 GK_LAYOUT(gk_tangent, 48);
 
-#define GK_INSTANCE_TRANSFORMED 1u // normals go through `normal`; else they are world space already
-#define GK_INSTANCE_MIRRORED 2u    // the traced geometric normal is on the wrong side
+#define GK_INSTANCE_TRANSFORMED \
+    1u                          // its linear part is not the identity: normals go through `normal`
+#define GK_INSTANCE_MIRRORED 2u // it turns the winding of triangles
 
 struct gk_instance {
     gk_u32 triangle; // first record of its mesh
     gk_u32 material;
     gk_u32 matte; // index of its (object, material, asset); 1 is the background
     gk_u32 flags;
-    gk_f32 normal[9]; // inverse transpose, row-major
+    gk_f32 normal[9]; // inverse transpose up to a positive factor, row-major
     gk_u32 light;     // gk_light of its first triangle, the others follow; GK_NONE: emits nothing
     gk_u32 mover;     // its gk_mover, GK_NONE: it stands still
     gk_u32 unused;
@@ -66,7 +67,7 @@ struct gk_mover {
 GK_LAYOUT(gk_mover, 16);
 
 struct gk_turn {
-    gk_f32 normal[9]; // inverse transpose, row-major
+    gk_f32 normal[9]; // inverse transpose up to a positive factor, one for all keys, row-major
     gk_f32 unused[3];
 };
 GK_LAYOUT(gk_turn, 48);
@@ -107,7 +108,8 @@ struct gk_material {
     gk_u32 specular_texture, specular_color_texture, transmission_texture;
     gk_u32 coat_texture, coat_rough_texture, coat_normal_texture;
     gk_u32 ranked; // not of this material: the one whose rank is this record's index + 1
-    gk_u32 unused[10];
+    gk_u32 energy; // first entry of its interface in the table of gk_energy.h
+    gk_u32 unused[9];
 };
 GK_LAYOUT(gk_material, 192);
 

@@ -129,6 +129,10 @@ GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const st
     s.eta = m->ior;
 #endif
     s.energy = r->energy;
+    s.interface = (gk_i32)m->energy;
+#ifdef GK_NESTED
+    s.interface = hit->eta > 0.0f ? 0 : s.interface; // another index than in the open
+#endif
 #ifdef GK_SPECULAR
     gk_surface_specular(r, hit, &s);
 #endif

@@ -1,9 +1,11 @@
-// energy.h - the table of gk_energy.h, computed once per process.
+// energy.h - parts of the table of gk_energy.h, for the interfaces that scenes have.
 #ifndef GLINT_SCENE_ENERGY_H
 #define GLINT_SCENE_ENERGY_H
 
-// GK_ENERGY_ENTRIES numbers, there as long as the process. Takes some 50 ms the first time. Any
-// thread.
-const float *glint_energy_table(void);
+// The part of a white reflector, and that of an interface: GK_ENERGY_PART numbers each. ior >= 1,
+// taken for the nearest of 640 steps in (ior - 1) / (ior + 1), of which 1.5 is one. Each part takes
+// some 40 ms when a process first asks for it, and is there as long as the process. Any thread.
+const float *glint_energy_white(void);
+const float *glint_energy_interface(float ior);
 
 #endif

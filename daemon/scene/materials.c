@@ -6,6 +6,7 @@
 #include "scene/internal.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 // Hemispherical mean of the dielectric reflectance: 2 Int F(c) c dc, midpoint rule.
@@ -189,14 +190,42 @@ static uint32_t area_lights(const struct glint_scene *s)
     return n;
 }
 
-// Forced effects read it too: where no material calls for it, it is there, of zeros.
+// Numbers the parts of the energy table: materials with one interface share one. The first part
+// is white, the second a coat's. Returns how many there are.
+static uint32_t number_parts(const struct glint_scene *s, struct gk_material *m, const float **part)
+{
+    uint32_t parts = 2;
+    part[0] = glint_energy_white();
+    part[1] = glint_energy_interface(1.5f);
+    for (uint32_t i = 0; i < s->materials; i++) {
+        const float *wanted = glint_energy_interface(m[i].ior);
+        uint32_t k = 1;
+        while (k < parts && part[k] != wanted)
+            k++;
+        if (k == parts)
+            part[parts++] = wanted;
+        m[i].energy = k * GK_ENERGY_PART;
+    }
+    return parts;
+}
+
+// Forced effects read it too: where no reflection is rough, it is there, of zeros.
 static glint_status build_energy(struct glint_resident *r, struct glint_error *err)
 {
-    const size_t bytes = GK_ENERGY_ENTRIES * sizeof(float);
+    const bool needed = r->facts.rough || r->facts.clearcoat;
+    const float **part = calloc((size_t)r->scene->materials + 2, sizeof *part);
+    if (!part)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u interfaces",
+                          r->scene->materials);
+    struct gk_material *m = glint_table_host(r, GLINT_TABLE_MATERIALS);
+    const uint32_t parts = needed ? number_parts(r->scene, m, part) : 2;
+    const size_t bytes = GK_ENERGY_PART * sizeof(float);
     const glint_status st =
-        glint_buffer_create(&r->table[GLINT_TABLE_ENERGY], r->devices, bytes, err);
-    if (!st && r->facts.microfacet)
-        memcpy(glint_table_host(r, GLINT_TABLE_ENERGY), glint_energy_table(), bytes);
+        glint_buffer_create(&r->table[GLINT_TABLE_ENERGY], r->devices, parts * bytes, err);
+    for (uint32_t k = 0; !st && needed && k < parts; k++)
+        memcpy((float *)glint_table_host(r, GLINT_TABLE_ENERGY) + (size_t)k * GK_ENERGY_PART,
+               part[k], bytes);
+    free(part);
     return st;
 }
 

@@ -1,4 +1,5 @@
-// surface.h - surfaces and directions for tests of gk_bsdf.h, with every lobe compiled in.
+// surface.h - surfaces and directions for tests of gk_bsdf.h, with reflection and refraction compiled
+// in; the layers over them where GK_SPECULAR and so on are defined before.
 #ifndef GLINT_TESTS_KERNEL_SURFACE_H
 #define GLINT_TESTS_KERNEL_SURFACE_H
 
@@ -6,12 +7,20 @@
 #define GK_TRANSMISSION 1
 
 #include "kernels/gk_bsdf.h"
+#include "scene/energy.h"
 #include "tests/kernel/check.h"
+
+struct layers {
+    float specular, color[3];               // KHR_materials_specular
+    float coat, coat_roughness, coat_slope; // its normal is (slope, 0, 1), normalised
+    float collimation;
+};
 
 struct material {
     const char *name;
     float base, metallic, transmission, roughness, ior;
-    int thin, leaving; // leaving: wo lies inside
+    int thin, leaving;           // leaving: wo lies inside
+    const struct layers *layers; // NULL: without
 };
 
 // Reflectance of a dielectric in double. Source: Fresnel's equations, as printed in textbooks.
@@ -46,18 +55,48 @@ static inline struct gk_vec direction(double cosine, double turn)
                   (float)cosine);
 }
 
-static inline struct gk_surface make_surface(const struct material *m, float cos_o)
+// The white part of the energy table, and behind it that of an interface.
+static inline const float *energy_of(float ior)
 {
+    static float table[3 * GK_ENERGY_PART];
+    memcpy(table, glint_energy_white(), GK_ENERGY_PART * sizeof *table);
+    memcpy(table + GK_ENERGY_COAT, glint_energy_interface(1.5f), GK_ENERGY_PART * sizeof *table);
+    memcpy(table + 2 * GK_ENERGY_PART, glint_energy_interface(ior), GK_ENERGY_PART * sizeof *table);
+    return table;
+}
+
+static inline void add_layers(struct gk_surface *s, const struct layers *l)
+{
+    s->specular = l->specular;
+    s->specular_color = gk_vec(l->color[0], l->color[1], l->color[2]);
+    s->collimation = l->collimation;
+    s->coat.weight = l->coat;
+    s->coat.alpha = l->coat_roughness * l->coat_roughness;
+    s->coat.frame = gk_onb_make(gk_normalise(gk_vec(l->coat_slope, 0, 1)));
+}
+
+static inline struct gk_surface make_surface_at(const struct material *m, struct gk_vec wo)
+{
+    static const struct layers none = {1, {1, 1, 1}, 0, 0, 0, 1};
     struct gk_surface s = {0};
     s.base = gk_splat(m->base);
     s.metallic = m->metallic;
     s.transmission = m->transmission;
     s.alpha = m->roughness * m->roughness;
     s.eta = m->leaving ? 1.0f / m->ior : m->ior;
+    s.inside = m->leaving;
     s.fresnel_mean = (float)exact_fresnel_mean(m->ior);
     s.thin = m->thin;
-    gk_surface_prepare(&s, direction(cos_o, 0.2));
+    s.energy = energy_of(m->ior);
+    s.interface = 2 * GK_ENERGY_PART;
+    add_layers(&s, m->layers ? m->layers : &none);
+    gk_surface_prepare(&s, wo);
     return s;
+}
+
+static inline struct gk_surface make_surface(const struct material *m, float cos_o)
+{
+    return make_surface_at(m, direction(cos_o, 0.2));
 }
 
 static inline struct gk_vec random_direction(uint64_t *seed)
