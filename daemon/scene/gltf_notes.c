@@ -45,7 +45,8 @@ void glint_gltf_ignored(struct glint_gltf *g, const struct glint_json *object, c
 
 void glint_gltf_note_the_rest(struct glint_gltf *g)
 {
-    static const char *const known[] = {"KHR_lights_punctual", NULL};
+    // lights are read elsewhere; who made the file does not show
+    static const char *const known[] = {"KHR_lights_punctual", "KHR_xmp", "KHR_xmp_json_ld", NULL};
     glint_gltf_ignored(g, &g->root, "file", "glTF", known);
 }
 
