@@ -81,9 +81,35 @@ GK_INLINE struct gk_vec gk_instance_normal(const GK_GLOBAL struct gk_instance *r
 #endif
 }
 
+// The front side's geometric normal from the traced one: of the world where the tracer has the
+// mesh in the world, with its winding turned by a mirroring; else of the mesh.
+GK_INLINE struct gk_vec gk_instance_front(const GK_GLOBAL struct gk_instance *row,
+                                          struct gk_raw_hit raw)
+{
+#ifdef GK_INSTANCES
+    const gk_i32 mirrored = (row->flags & GK_INSTANCE_MIRRORED) != 0u;
+    const struct gk_vec baked = gk_vec_select(raw.ng, gk_negate(raw.ng), mirrored);
+    return gk_vec_select(baked, gk_instance_normal(row, raw.ng), raw.instance != GK_NONE);
+#else
+    (void)row;
+    return raw.ng;
+#endif
+}
+
 #ifdef GK_NORMAL_MAPS
+// Sign of the row's determinant.
+GK_INLINE gk_f32 gk_instance_sign(const GK_GLOBAL struct gk_instance *row)
+{
+#ifdef GK_INSTANCES
+    return (row->flags & GK_INSTANCE_MIRRORED) != 0u ? -1.0f : 1.0f;
+#else
+    (void)row;
+    return 1.0f;
+#endif
+}
+
 // A vector along the surface, up to its length, zero if that is zero: the cofactors of the inverse
-// transpose are the placement itself over its determinant, which is positive where a mesh is placed.
+// transpose are the placement itself over its determinant.
 GK_INLINE struct gk_vec gk_instance_vector(const GK_GLOBAL struct gk_instance *row, struct gk_vec t)
 {
 #ifdef GK_INSTANCES
@@ -91,8 +117,9 @@ GK_INLINE struct gk_vec gk_instance_vector(const GK_GLOBAL struct gk_instance *r
     const struct gk_vec a = gk_vec(m[0], m[1], m[2]);
     const struct gk_vec b = gk_vec(m[3], m[4], m[5]);
     const struct gk_vec c = gk_vec(m[6], m[7], m[8]);
-    const struct gk_vec turned = gk_normalise_any(
+    const struct gk_vec along = gk_normalise_any(
         gk_vec(gk_dot(gk_cross(b, c), t), gk_dot(gk_cross(c, a), t), gk_dot(gk_cross(a, b), t)));
+    const struct gk_vec turned = gk_scale(along, gk_instance_sign(row));
     const gk_i32 turns = (row->flags & GK_INSTANCE_TRANSFORMED) != 0u && gk_dot(t, t) > 0.0f;
     return gk_vec_select(t, turned, turns);
 #else
@@ -110,9 +137,11 @@ GK_INLINE struct gk_vec gk_mapped_normal(const struct gk_resident *r, const stru
     const gk_f32 w = 1.0f - u - v;
     const struct gk_vec raw = gk_vec(w * t[0] + u * t[4] + v * t[8], w * t[1] + u * t[5] + v * t[9],
                                      w * t[2] + u * t[6] + v * t[10]);
-    struct gk_vec tangent = gk_instance_vector(r->instance + hit->instance, raw);
+    const GK_GLOBAL struct gk_instance *row = r->instance + hit->instance;
+    struct gk_vec tangent = gk_instance_vector(row, raw);
     tangent = gk_normalise(gk_along(tangent, hit->ns, -gk_dot(tangent, hit->ns)));
-    const struct gk_vec bitangent = gk_scale(gk_cross(hit->ns, tangent), t[3]);
+    const gk_f32 side = t[3] * gk_instance_sign(row);
+    const struct gk_vec bitangent = gk_scale(gk_cross(hit->ns, tangent), side);
     const struct gk_texel n = gk_texture_at(&r->textures, texture, hit->at);
     const struct gk_vec inner = gk_vec((n.r * 2.0f - 1.0f) * scale, (n.g * 2.0f - 1.0f) * scale,
                                        gk_max(n.b * 2.0f - 1.0f, 0.0f));
@@ -137,11 +166,7 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
                                       struct gk_vec d)
 {
     struct gk_hit hit;
-#ifdef GK_INSTANCES
     hit.instance = raw.instance != GK_NONE ? raw.instance : raw.geometry;
-#else
-    hit.instance = raw.geometry;
-#endif
     const GK_GLOBAL struct gk_instance *row = r->instance + hit.instance;
     hit.triangle = row->triangle + raw.primitive;
     hit.material = row->material;
@@ -152,7 +177,7 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
     hit.at = gk_coordinates_at(r, hit.triangle, raw.u, raw.v);
 
     // As long as its triangle is large: the square of a small one's would underflow.
-    const struct gk_vec front = gk_normalise_any(gk_instance_normal(row, raw.ng));
+    const struct gk_vec front = gk_normalise_any(gk_instance_front(row, raw));
     hit.cos_g = gk_dot(front, d);
     hit.ng = gk_vec_select(front, gk_negate(front), hit.cos_g > 0.0f);
     const struct gk_vec smooth = gk_interpolate3(tri->normal, raw.u, raw.v);

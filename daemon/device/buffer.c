@@ -34,8 +34,16 @@ glint_status glint_buffer_create(glint_buffer **out, glint_devices *devices, siz
         free(b);
         return glint_fail(err, GLINT_E_CAPACITY, "", "no memory for a buffer of %zu bytes", bytes);
     }
+    atomic_init(&b->references, 1);
     *out = b;
     return GLINT_OK;
+}
+
+glint_buffer *glint_buffer_retain(glint_buffer *buffer)
+{
+    // Relaxed: who retains holds a reference already.
+    atomic_fetch_add_explicit(&buffer->references, 1, memory_order_relaxed);
+    return buffer;
 }
 
 void glint_buffer_destroy(glint_buffer **buffer)
@@ -44,6 +52,9 @@ void glint_buffer_destroy(glint_buffer **buffer)
     if (!b)
         return;
     *buffer = NULL;
+    // Acquire-release: the last holder sees all that the others did before it frees.
+    if (atomic_fetch_sub_explicit(&b->references, 1, memory_order_acq_rel) != 1)
+        return;
     munmap(b->host, b->mapped);
     free(b);
 }

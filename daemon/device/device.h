@@ -50,8 +50,10 @@ glint_status glint_program_get(glint_program **out, glint_devices *devices, cons
 void glint_program_release(glint_program **program);
 
 // Page-aligned zeroed memory of `bytes`, visible to kernels as it is. GLINT_E_CAPACITY over 1 GiB.
+// Counted: retain and destroy by any thread, the last destroy frees.
 glint_status glint_buffer_create(glint_buffer **out, glint_devices *devices, size_t bytes,
                                  struct glint_error *err);
+glint_buffer *glint_buffer_retain(glint_buffer *buffer);
 void glint_buffer_destroy(glint_buffer **buffer);
 void *glint_buffer_host(glint_buffer *buffer);
 size_t glint_buffer_bytes(const glint_buffer *buffer);

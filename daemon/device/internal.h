@@ -60,6 +60,7 @@ struct glint_program {
 };
 
 struct glint_buffer {
+    atomic_uint references;
     void *host; // from mmap
     size_t bytes, mapped;
 };

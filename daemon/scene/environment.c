@@ -115,6 +115,8 @@ glint_status glint_resident_build_environment(struct glint_resident *r, struct g
     l->env_cell_width = l->env_width < CELLS_X ? l->env_width : CELLS_X;
     l->env_cell_height = l->env_height < CELLS_Y ? l->env_height : CELLS_Y;
     l->env_choice = image ? (r->lights ? 0.5f : 1.0f) : 0.0f;
+    if (glint_share_environment(r))
+        return GLINT_OK;
     const size_t texels = (size_t)l->env_width * l->env_height;
     const size_t cells = (size_t)l->env_cell_width * l->env_cell_height;
     glint_status st = glint_buffer_create(&r->table[GLINT_TABLE_ENV_TEXELS], r->devices,

@@ -4,80 +4,158 @@
 #include "kernels/gk_wave.h"
 
 #include <embree3/rtcore.h>
+#include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-struct glint_geometry {
-    RTCDevice device; // its own, so that its memory can be counted
+struct glint_tracer {
+    atomic_uint references;
+    RTCDevice device;
+    pthread_mutex_t mutex; // held while something is built or released: `bytes` tells what it took
+    _Atomic int64_t bytes;
+};
+
+// A scene of Embree's and what it holds.
+struct structure {
+    atomic_uint references;
+    glint_tracer *tracer;
     RTCScene scene;
-    RTCScene *template_scene;
-    uint32_t templates, capacity;
-    bool robust;
+    struct glint_geometry_build build;
+    int64_t bytes;
+};
+struct glint_body {
+    struct structure s;
+};
+struct glint_world {
+    struct structure s;
+};
+
+struct glint_geometry {
+    glint_world *world;
     glint_geometry_hole *hole;
     const void *user;
-    _Atomic int64_t bytes;
 };
 
 static bool count_memory(void *user, ssize_t bytes, bool post)
 {
     (void)post;
-    glint_geometry *g = user;
-    atomic_fetch_add_explicit(&g->bytes, bytes, memory_order_relaxed);
+    glint_tracer *t = user;
+    atomic_fetch_add_explicit(&t->bytes, bytes, memory_order_relaxed);
     return true;
 }
 
-static glint_status refused(const glint_geometry *g, struct glint_error *err)
+static glint_status refused(const glint_tracer *t, struct glint_error *err)
 {
-    const enum RTCError code = rtcGetDeviceError(g->device);
+    const enum RTCError code = rtcGetDeviceError(t->device);
     if (code == RTC_ERROR_NONE)
         return GLINT_OK;
     const glint_status status = code == RTC_ERROR_OUT_OF_MEMORY ? GLINT_E_NOMEM : GLINT_E_DEVICE;
     return glint_fail(err, status, "", "Embree refused the geometry (error %d)", (int)code);
 }
 
-static RTCScene scene_create(const glint_geometry *g)
-{
-    RTCScene scene = rtcNewScene(g->device);
-    rtcSetSceneFlags(scene, g->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
-    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
-    return scene;
-}
-
-glint_status glint_geometry_create(glint_geometry **out, bool robust, glint_geometry_hole *hole,
-                                   const void *user, struct glint_error *err)
+glint_status glint_tracer_create(glint_tracer **out, struct glint_error *err)
 {
     *out = NULL;
-    glint_geometry *g = calloc(1, sizeof *g);
-    if (!g)
-        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a geometry");
-    g->robust = robust;
-    g->hole = hole;
-    g->user = user;
-    g->device = rtcNewDevice(NULL);
-    if (!g->device) {
-        free(g);
+    glint_tracer *t = calloc(1, sizeof *t);
+    if (!t)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a tracer");
+    t->device = rtcNewDevice(NULL);
+    if (!t->device) {
+        free(t);
         return glint_fail(err, GLINT_E_DEVICE, "", "Embree has no device");
     }
-    rtcSetDeviceMemoryMonitorFunction(g->device, count_memory, g);
-    g->scene = scene_create(g);
-    *out = g;
+    atomic_init(&t->references, 1);
+    pthread_mutex_init(&t->mutex, NULL);
+    rtcSetDeviceMemoryMonitorFunction(t->device, count_memory, t);
+    *out = t;
     return GLINT_OK;
 }
 
-void glint_geometry_destroy(glint_geometry **geometry)
+glint_tracer *glint_tracer_retain(glint_tracer *tracer)
 {
-    glint_geometry *g = *geometry;
-    *geometry = NULL;
-    if (!g)
-        return;
-    rtcReleaseScene(g->scene);
-    for (uint32_t i = 0; i < g->templates; i++)
-        rtcReleaseScene(g->template_scene[i]);
-    free(g->template_scene);
-    rtcReleaseDevice(g->device);
-    free(g);
+    atomic_fetch_add_explicit(&tracer->references, 1, memory_order_relaxed);
+    return tracer;
 }
+
+// Acquire-release, here and below: the last holder sees all that the others did before it frees.
+static bool last(atomic_uint *references)
+{
+    return atomic_fetch_sub_explicit(references, 1, memory_order_acq_rel) == 1;
+}
+
+void glint_tracer_release(glint_tracer **tracer)
+{
+    glint_tracer *t = *tracer;
+    *tracer = NULL;
+    if (!t || !last(&t->references))
+        return;
+    rtcReleaseDevice(t->device);
+    pthread_mutex_destroy(&t->mutex);
+    free(t);
+}
+
+// ---- structures
+
+static int64_t bytes_now(glint_tracer *t)
+{
+    return atomic_load_explicit(&t->bytes, memory_order_relaxed);
+}
+
+static enum RTCBuildQuality quality(const struct structure *s)
+{
+    return s->build.brisk ? RTC_BUILD_QUALITY_MEDIUM : RTC_BUILD_QUALITY_HIGH;
+}
+
+// Leaves the tracer locked: structure_close() is next.
+static void structure_open(struct structure *s, glint_tracer *tracer,
+                           const struct glint_geometry_build *build)
+{
+    pthread_mutex_lock(&tracer->mutex);
+    atomic_init(&s->references, 1);
+    s->tracer = glint_tracer_retain(tracer);
+    s->build = *build;
+    s->bytes = -bytes_now(tracer);
+    s->scene = rtcNewScene(tracer->device);
+    rtcSetSceneFlags(s->scene, build->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    rtcSetSceneBuildQuality(s->scene, quality(s));
+}
+
+static glint_status structure_close(struct structure *s, glint_status st, struct glint_error *err)
+{
+    if (!st) {
+        rtcCommitScene(s->scene);
+        st = refused(s->tracer, err);
+    }
+    s->bytes += bytes_now(s->tracer);
+    pthread_mutex_unlock(&s->tracer->mutex);
+    return st;
+}
+
+// True when it is gone: the memory of the structure itself is the caller's.
+static bool structure_release(struct structure *s)
+{
+    if (!last(&s->references))
+        return false;
+    pthread_mutex_lock(&s->tracer->mutex);
+    rtcReleaseScene(s->scene);
+    pthread_mutex_unlock(&s->tracer->mutex);
+    glint_tracer_release(&s->tracer);
+    return true;
+}
+
+static uint64_t structure_bytes(const struct structure *s)
+{
+    return s->bytes > 0 ? (uint64_t)s->bytes : 0;
+}
+
+// ---- holes
+
+// A query of a geometry; Embree hands the context on to the filter.
+struct query {
+    struct RTCIntersectContext context;
+    const glint_geometry *geometry;
+};
 
 // Component k of hit i in a packet of n, in the order of struct RTCHitN: Ng, u, v, primitive,
 // geometry, instance. (Embree's own accessors are C++.)
@@ -94,8 +172,8 @@ static uint32_t chance_of(uint32_t key, uint32_t row, uint32_t primitive)
 
 static void drop_holes(const struct RTCFilterFunctionNArguments *args, uint32_t salt)
 {
+    const glint_geometry *g = ((const struct query *)args->context)->geometry;
     const uint32_t *ray = (const uint32_t *)args->ray;
-    const glint_geometry *g = args->geometryUserPtr;
     const float *number = (const float *)args->hit;
     const uint32_t *word = (const uint32_t *)args->hit;
     const unsigned n = args->N;
@@ -123,85 +201,174 @@ static void drop_shadow_holes(const struct RTCFilterFunctionNArguments *args)
     drop_holes(args, 0x5bd1e995u);
 }
 
-static RTCGeometry mesh_create(glint_geometry *g, const struct glint_geometry_mesh *mesh)
+// ---- bodies and worlds
+
+static void copy_vertices(float *out, const float *in, const struct glint_geometry_mesh *mesh)
 {
-    RTCGeometry geometry = rtcNewGeometry(g->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    float *position = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                              RTC_FORMAT_FLOAT3, 12, mesh->vertices);
+    for (size_t i = 0; i < mesh->vertices; i++)
+        for (int k = 0; k < 3; k++)
+            out[3 * i + k] = in[3 * i + k] - mesh->origin[k];
+}
+
+static void fill_vertices(RTCGeometry geometry, const struct glint_geometry_mesh *mesh)
+{
+    rtcSetGeometryTimeStepCount(geometry, mesh->keys);
+    for (uint32_t k = 0; k < mesh->keys; k++) {
+        float *out = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, k, RTC_FORMAT_FLOAT3,
+                                             12, mesh->vertices);
+        if (out)
+            copy_vertices(out, mesh->position + (size_t)k * mesh->vertices * 3, mesh);
+    }
+}
+
+static void attach_mesh(const struct structure *s, uint32_t row,
+                        const struct glint_geometry_mesh *mesh)
+{
+    RTCGeometry geometry = rtcNewGeometry(s->tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    fill_vertices(geometry, mesh);
     uint32_t *index = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                               12, mesh->triangles);
-    if (position && index) {
-        memcpy(position, mesh->position, (size_t)mesh->vertices * 12);
+    if (index)
         memcpy(index, mesh->index, (size_t)mesh->triangles * 12);
-    }
-    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
-    if (mesh->cutout) {
-        rtcSetGeometryUserData(geometry, g);
+    rtcSetGeometryBuildQuality(geometry, quality(s));
+    if (mesh->holes) {
         rtcSetGeometryIntersectFilterFunction(geometry, drop_seen_holes);
         rtcSetGeometryOccludedFilterFunction(geometry, drop_shadow_holes);
     }
     rtcCommitGeometry(geometry);
-    return geometry;
-}
-
-glint_status glint_geometry_add_mesh(glint_geometry *g, uint32_t row,
-                                     const struct glint_geometry_mesh *mesh,
-                                     struct glint_error *err)
-{
-    RTCGeometry geometry = mesh_create(g, mesh);
-    rtcAttachGeometryByID(g->scene, geometry, row);
+    rtcAttachGeometryByID(s->scene, geometry, row);
     rtcReleaseGeometry(geometry);
-    return refused(g, err);
 }
 
-glint_status glint_geometry_add_template(glint_geometry *g, const struct glint_geometry_mesh *mesh,
-                                         uint32_t *index, struct glint_error *err)
+glint_status glint_body_create(glint_body **out, glint_tracer *tracer,
+                               const struct glint_geometry_mesh *mesh,
+                               const struct glint_geometry_build *build, struct glint_error *err)
 {
-    if (g->templates == g->capacity) {
-        const uint32_t capacity = g->capacity ? 2 * g->capacity : 64;
-        RTCScene *grown = realloc(g->template_scene, capacity * sizeof *grown);
-        if (!grown)
-            return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u templates", capacity);
-        g->template_scene = grown;
-        g->capacity = capacity;
-    }
-    RTCScene scene = scene_create(g);
-    RTCGeometry geometry = mesh_create(g, mesh);
-    rtcAttachGeometryByID(scene, geometry, 0);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
-    *index = g->templates;
-    g->template_scene[g->templates++] = scene;
-    return refused(g, err);
+    glint_body *b = calloc(1, sizeof *b);
+    *out = NULL;
+    if (!b)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a mesh");
+    structure_open(&b->s, tracer, build);
+    attach_mesh(&b->s, 0, mesh);
+    const glint_status st = structure_close(&b->s, refused(tracer, err), err);
+    if (st)
+        glint_body_release(&b);
+    *out = b;
+    return st;
 }
 
-glint_status glint_geometry_place(glint_geometry *g, uint32_t row, uint32_t template_index,
-                                  const float transform[16], struct glint_error *err)
+glint_body *glint_body_retain(glint_body *body)
 {
-    RTCGeometry geometry = rtcNewGeometry(g->device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(geometry, g->template_scene[template_index]);
-    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, transform);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(g->scene, geometry, row);
-    rtcReleaseGeometry(geometry);
-    return refused(g, err);
+    atomic_fetch_add_explicit(&body->s.references, 1, memory_order_relaxed);
+    return body;
 }
 
-glint_status glint_geometry_commit(glint_geometry *g, struct glint_error *err)
+void glint_body_release(glint_body **body)
 {
-    rtcCommitScene(g->scene);
-    return refused(g, err);
+    if (*body && structure_release(&(*body)->s))
+        free(*body);
+    *body = NULL;
 }
 
-uint64_t glint_geometry_bytes(const glint_geometry *g)
+uint64_t glint_body_bytes(const glint_body *body)
 {
-    const int64_t bytes = atomic_load_explicit(&g->bytes, memory_order_relaxed);
+    return structure_bytes(&body->s);
+}
+
+glint_status glint_world_create(glint_world **out, glint_tracer *tracer,
+                                const struct glint_geometry_build *build, glint_world_fill *fill,
+                                void *user, struct glint_error *err)
+{
+    glint_world *w = calloc(1, sizeof *w);
+    *out = NULL;
+    if (!w)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a scene");
+    structure_open(&w->s, tracer, build);
+    const glint_status st = structure_close(&w->s, fill(w, user, err), err);
+    if (st)
+        glint_world_release(&w);
+    *out = w;
+    return st;
+}
+
+glint_world *glint_world_retain(glint_world *world)
+{
+    atomic_fetch_add_explicit(&world->s.references, 1, memory_order_relaxed);
+    return world;
+}
+
+void glint_world_release(glint_world **world)
+{
+    if (*world && structure_release(&(*world)->s))
+        free(*world);
+    *world = NULL;
+}
+
+uint64_t glint_world_bytes(const glint_world *world)
+{
+    return structure_bytes(&world->s);
+}
+
+uint64_t glint_world_tracer_bytes(const glint_world *world)
+{
+    const int64_t bytes = bytes_now(world->s.tracer);
     return bytes > 0 ? (uint64_t)bytes : 0;
+}
+
+glint_status glint_world_add_mesh(glint_world *world, uint32_t row,
+                                  const struct glint_geometry_mesh *mesh, struct glint_error *err)
+{
+    attach_mesh(&world->s, row, mesh);
+    return refused(world->s.tracer, err);
+}
+
+glint_status glint_world_place(glint_world *world, uint32_t row, glint_body *body,
+                               const float *transform, uint32_t keys, struct glint_error *err)
+{
+    RTCGeometry geometry = rtcNewGeometry(world->s.tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, body->s.scene);
+    rtcSetGeometryTimeStepCount(geometry, keys);
+    for (uint32_t k = 0; k < keys; k++)
+        rtcSetGeometryTransform(geometry, k, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, transform + 16 * k);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(world->s.scene, geometry, row);
+    rtcReleaseGeometry(geometry);
+    return refused(world->s.tracer, err);
+}
+
+// ---- views
+
+glint_geometry *glint_geometry_create(glint_world *world, glint_geometry_hole *hole,
+                                      const void *user)
+{
+    glint_geometry *g = calloc(1, sizeof *g);
+    if (g)
+        *g = (glint_geometry){glint_world_retain(world), hole, user};
+    return g;
+}
+
+void glint_geometry_destroy(glint_geometry **geometry)
+{
+    if (*geometry)
+        glint_world_release(&(*geometry)->world);
+    free(*geometry);
+    *geometry = NULL;
+}
+
+glint_world *glint_geometry_world(const glint_geometry *geometry)
+{
+    return geometry->world;
 }
 
 void *glint_geometry_native(const glint_geometry *g)
 {
-    return g->scene;
+    return g->world->s.scene;
+}
+
+static void query_init(struct query *q, const glint_geometry *g)
+{
+    rtcInitIntersectContext(&q->context); // incoherent: the coherent flag costs 27-51 % on waves
+    q->geometry = g;
 }
 
 #define COLUMN(k) (wave + (size_t)(k)*stride)
@@ -209,8 +376,8 @@ void *glint_geometry_native(const glint_geometry *g)
 
 void glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n)
 {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context); // incoherent: the coherent flag costs 27-51 % on waves
+    struct query q;
+    query_init(&q, g);
     struct RTCRayHitNp rays = {
         .ray = {COLUMN(GK_COL_OX), COLUMN(GK_COL_OY), COLUMN(GK_COL_OZ), COLUMN(GK_COL_ZERO),
                 COLUMN(GK_COL_DX), COLUMN(GK_COL_DY), COLUMN(GK_COL_DZ), COLUMN(GK_COL_TIME),
@@ -225,17 +392,17 @@ void glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t st
                 COLUMN_U32(GK_COL_GEOMETRY),
                 {COLUMN_U32(GK_COL_INSTANCE)}},
     };
-    rtcIntersectNp(g->scene, &context, &rays, n);
+    rtcIntersectNp(g->world->s.scene, &q.context, &rays, n);
 }
 
 void glint_geometry_shadow_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n)
 {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    struct query q;
+    query_init(&q, g);
     struct RTCRayNp rays = {
         COLUMN(GK_COL_SOX),      COLUMN(GK_COL_SOY),         COLUMN(GK_COL_SOZ),
         COLUMN(GK_COL_ZERO),     COLUMN(GK_COL_SDX),         COLUMN(GK_COL_SDY),
         COLUMN(GK_COL_SDZ),      COLUMN(GK_COL_TIME),        COLUMN(GK_COL_ST),
         COLUMN_U32(GK_COL_MASK), COLUMN_U32(GK_COL_PASSAGE), COLUMN_U32(GK_COL_ZERO)};
-    rtcOccludedNp(g->scene, &context, &rays, n);
+    rtcOccludedNp(g->world->s.scene, &q.context, &rays, n);
 }

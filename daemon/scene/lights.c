@@ -56,7 +56,7 @@ static void triangle_light(const struct glint_resident *r, const struct glint_ro
     const struct glint_kept *k = glint_row_kept(r, row);
     const struct gk_material *m =
         (const struct gk_material *)glint_table_host(r, GLINT_TABLE_MATERIALS) + row->material;
-    const bool flip = glint_row_determinant(row) < 0.0;
+    const bool flip = glint_row_mirrors(row);
     float p[3][3];
     for (int c = 0; c < 3; c++) {
         double world[3];

@@ -15,15 +15,25 @@ struct ray_bench {
     float wave[GK_COLUMNS][LANES];
 };
 
+static glint_status add_mesh(glint_world *world, void *mesh, struct glint_error *err)
+{
+    return glint_world_add_mesh(world, 0, mesh, err);
+}
+
 static void bench_open(struct ray_bench *b, bool robust, const struct glint_geometry_mesh *mesh)
 {
     struct glint_error err = {0};
     memset(b->wave, 0, sizeof b->wave);
     memset(b->wave[GK_COL_MASK], 0xff, sizeof b->wave[GK_COL_MASK]);
-    if (glint_geometry_create(&b->geometry, robust, NULL, NULL, &err) ||
-        glint_geometry_add_mesh(b->geometry, 0, mesh, &err) ||
-        glint_geometry_commit(b->geometry, &err))
+    const struct glint_geometry_build build = {.robust = robust};
+    glint_tracer *tracer = NULL;
+    glint_world *world = NULL;
+    if (glint_tracer_create(&tracer, &err) ||
+        glint_world_create(&world, tracer, &build, add_mesh, (void *)mesh, &err))
         offline_die("geometry", &err);
+    b->geometry = glint_geometry_create(world, NULL, NULL);
+    glint_world_release(&world);
+    glint_tracer_release(&tracer);
 }
 
 static void set_ray(struct ray_bench *b, uint32_t i, const double origin[3], const double target[3])
@@ -99,8 +109,11 @@ static void make_ball(struct ball *b)
 static unsigned leaks(const struct ball *ball, bool robust, bool vertices)
 {
     static struct ray_bench b;
-    const struct glint_geometry_mesh mesh = {&ball->position[0][0], (ROWS - 1) * COLUMNS + 2,
-                                             &ball->index[0][0], ball->triangles, false};
+    const struct glint_geometry_mesh mesh = {.position = &ball->position[0][0],
+                                             .vertices = (ROWS - 1) * COLUMNS + 2,
+                                             .index = &ball->index[0][0],
+                                             .triangles = ball->triangles,
+                                             .keys = 1};
     uint64_t seed = 17;
     unsigned lost = 0;
     bench_open(&b, robust, &mesh);
@@ -184,7 +197,8 @@ static unsigned bogus_hits(double height, bool robust, unsigned *hits)
         for (int k = 0; k < 3; k++)
             position[3 * v + k] = (float)corner[v][k];
     }
-    const struct glint_geometry_mesh mesh = {position, 3, index, 1, false};
+    const struct glint_geometry_mesh mesh = {
+        .position = position, .vertices = 3, .index = index, .triangles = 1, .keys = 1};
     bench_open(&b, robust, &mesh);
     for (int wave = 0; wave < 64; wave++) {
         for (uint32_t i = 0; i < LANES; i++) {
