@@ -63,14 +63,63 @@ GK_INLINE gk_f32 gk_light_choice(const GK_GLOBAL struct gk_light *light, gk_u32 
 #endif
 }
 
+// Between which motion keys of the light table a path's time lies.
+struct gk_light_keys {
+    gk_u32 from, to; // entries to add to a light's index
+    gk_f32 w;        // of `to`
+};
+
+GK_INLINE struct gk_light_keys gk_light_keys_at(const GK_GLOBAL struct gk_frame *f, gk_f32 time)
+{
+    struct gk_light_keys k = {0u, 0u, 0.0f};
+#ifdef GK_MOTION
+    const gk_f32 at = time * (gk_f32)(gk_i32)f->motion_segments;
+    const gk_i32 last = gk_max_i32((gk_i32)f->motion_segments - 1, 0);
+    const gk_i32 segment = gk_min_i32((gk_i32)at, last);
+    k.from = (gk_u32)segment * f->light_stride;
+    k.to = k.from + f->light_stride;
+    k.w = at - (gk_f32)segment;
+#else
+    (void)f;
+    (void)time;
+#endif
+    return k;
+}
+
+struct gk_light_place {
+    struct gk_vec p, a, b; // of gk_light
+};
+
+GK_INLINE struct gk_light_place gk_light_place_at(const GK_GLOBAL struct gk_light *light,
+                                                  struct gk_light_keys k)
+{
+    struct gk_light_place l;
+    const GK_GLOBAL struct gk_light *from = light + k.from;
+    l.p = gk_vec(from->p[0], from->p[1], from->p[2]);
+    l.a = gk_vec(from->a[0], from->a[1], from->a[2]);
+    l.b = gk_vec(from->b[0], from->b[1], from->b[2]);
+#ifdef GK_MOTION
+    const GK_GLOBAL struct gk_light *to = light + k.to;
+    const gk_i32 moves = k.to != k.from;
+    const gk_u32 kind = light->kind & 15u;
+    l.p = gk_along(l.p, gk_sub(gk_vec(to->p[0], to->p[1], to->p[2]), l.p), k.w);
+    l.a = gk_along(l.a, gk_sub(gk_vec(to->a[0], to->a[1], to->a[2]), l.a), k.w);
+    l.b = gk_along(l.b, gk_sub(gk_vec(to->b[0], to->b[1], to->b[2]), l.b), k.w);
+    // Directions stay unit: that of a sun, the axis of a spot.
+    l.p = gk_vec_select(l.p, gk_normalise(l.p), moves && kind == GK_LIGHT_SUN);
+    l.a = gk_vec_select(l.a, gk_normalise(l.a), moves && kind == GK_LIGHT_POINT);
+#endif
+    return l;
+}
+
 // Solid-angle pdf with which NEE would have taken the point on triangle light `light` that a ray
 // of length t hit under the cosine `cosine` (absolute); choice: probability of choosing it at all.
-GK_INLINE gk_f32 gk_triangle_light_pdf(const GK_GLOBAL struct gk_light *light, gk_f32 t,
-                                       gk_f32 cosine, gk_f32 choice)
+GK_INLINE gk_f32 gk_triangle_light_pdf(const GK_GLOBAL struct gk_light *light,
+                                       struct gk_light_keys keys, gk_f32 t, gk_f32 cosine,
+                                       gk_f32 choice)
 {
-    const struct gk_vec a = gk_vec(light->a[0], light->a[1], light->a[2]);
-    const struct gk_vec b = gk_vec(light->b[0], light->b[1], light->b[2]);
-    const struct gk_vec n = gk_cross(a, b);
+    const struct gk_light_place place = gk_light_place_at(light, keys);
+    const struct gk_vec n = gk_cross(place.a, place.b);
     const gk_f32 area = 0.5f * gk_sqrt(gk_dot(n, n));
     return choice * t * t / (gk_max(cosine, 1e-7f) * area);
 }
@@ -91,13 +140,12 @@ GK_INLINE gk_u32 gk_alias_choose(const GK_GLOBAL struct gk_alias *table, gk_u32 
 
 // A light of the table as seen from p, chosen with probability `choice`.
 GK_INLINE struct gk_light_sample gk_light_from_table(const GK_GLOBAL struct gk_light *light,
-                                                     struct gk_vec p, gk_f32 choice, gk_f32 u,
-                                                     gk_f32 v)
+                                                     struct gk_light_keys keys, struct gk_vec p,
+                                                     gk_f32 choice, gk_f32 u, gk_f32 v)
 {
     struct gk_light_sample s;
-    const struct gk_vec position = gk_vec(light->p[0], light->p[1], light->p[2]);
-    const struct gk_vec a = gk_vec(light->a[0], light->a[1], light->a[2]);
-    const struct gk_vec b = gk_vec(light->b[0], light->b[1], light->b[2]);
+    const struct gk_light_place place = gk_light_place_at(light, keys);
+    const struct gk_vec position = place.p, a = place.a, b = place.b;
     const gk_u32 kind = light->kind & 15u;
     s.L = gk_vec(light->L[0], light->L[1], light->L[2]);
     s.triangle = light->triangle;

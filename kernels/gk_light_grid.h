@@ -13,8 +13,8 @@
 // pdf, keep (of members) and share are floats. Probabilities are those that the rounded tables
 // really have.
 //
-// Of four lights chosen so, one is kept in proportion to the unshadowed light that it brings
-// (resampled importance sampling, Talbot et al. 2005). MIS weighs by the density of the four, which
+// Of eight lights chosen so, one is kept in proportion to the unshadowed light that it brings
+// (resampled importance sampling, Talbot et al. 2005). MIS weighs by the density of the eight, which
 // is a function of the direction alone: any such weight is unbiased.
 #ifndef GK_LIGHT_GRID_H
 #define GK_LIGHT_GRID_H
@@ -45,6 +45,7 @@ struct gk_light_pick {
 struct gk_light_receiver {
     struct gk_vec x, n;
     gk_f32 behind;
+    struct gk_light_keys keys; // when
 };
 
 GK_INLINE gk_u32 gk_grid_axis(gk_f32 x, gk_f32 origin, gk_f32 scale, gk_u32 size)
@@ -125,29 +126,38 @@ struct gk_light_numbers {
     gk_f32 choice, keep; // cluster
     gk_f32 place, other; // light in it
     gk_f32 u, v;         // point on it
-    gk_f32 pick;         // one of four
+    gk_f32 pick;         // one of eight
 };
 
-struct gk_light_candidate {
+// Candidates seen so far: the one that is kept, and the sum of what all of them promise.
+struct gk_light_fold {
     struct gk_light_pick pick;
-    gk_f32 promise;
+    gk_f32 promise, sum;
+    gk_f32 u; // uniform still, whatever was kept
 };
 
-// The candidate whose numbers are turned by `turn` fourths.
-GK_INLINE struct gk_light_candidate gk_grid_candidate(const struct gk_light_grid *g,
-                                                      const GK_GLOBAL struct gk_light *light,
-                                                      const struct gk_light_receiver *to,
-                                                      gk_f32 share,
-                                                      const struct gk_light_numbers *r, gk_f32 turn)
+// Adds the candidate whose numbers are turned by `turn`; kept with probability promise / sum.
+GK_INLINE struct gk_light_fold gk_grid_fold(struct gk_light_fold f, const struct gk_light_grid *g,
+                                            const GK_GLOBAL struct gk_light *light,
+                                            const struct gk_light_receiver *to, gk_f32 share,
+                                            const struct gk_light_numbers *r, gk_f32 turn)
 {
-    struct gk_light_candidate c;
-    c.pick = gk_grid_choose(g, gk_turned(r->choice, turn), r->keep, gk_turned(r->place, turn),
-                            gk_turned(r->other, turn));
-    c.pick.choice *= share;
+    struct gk_light_pick c = gk_grid_choose(g, gk_turned(r->choice, turn), r->keep,
+                                            gk_turned(r->place, turn), gk_turned(r->other, turn));
+    c.choice *= share;
     const struct gk_light_sample s =
-        gk_light_from_table(light + c.pick.light, to->x, c.pick.choice, r->u, r->v);
-    c.promise = gk_light_promise(&s, to);
-    return c;
+        gk_light_from_table(light + c.light, to->keys, to->x, c.choice, r->u, r->v);
+    const gk_f32 promise = gk_light_promise(&s, to), sum = f.sum + promise;
+    const gk_f32 at = f.u * sum;
+    const gk_i32 take = at < promise;
+    struct gk_light_fold n;
+    n.pick.light = take ? c.light : f.pick.light;
+    n.pick.choice = take ? c.choice : f.pick.choice;
+    n.promise = take ? promise : f.promise;
+    n.sum = sum;
+    const gk_f32 rest = take ? at / promise : (at - promise) / gk_max(f.sum, 1e-37f);
+    n.u = gk_clamp(rest, 0.0f, 1.0f - GK_UNIT);
+    return n;
 }
 
 // A light for the receiver; share: probability that the table is asked at all.
@@ -156,24 +166,18 @@ GK_INLINE struct gk_light_sample gk_light_from_grid(const struct gk_light_grid *
                                                     const struct gk_light_receiver *to,
                                                     gk_f32 share, const struct gk_light_numbers *r)
 {
-    const struct gk_light_candidate a = gk_grid_candidate(g, light, to, share, r, 0.0f);
-    const struct gk_light_candidate b = gk_grid_candidate(g, light, to, share, r, 0.25f);
-    const struct gk_light_candidate c = gk_grid_candidate(g, light, to, share, r, 0.5f);
-    const struct gk_light_candidate d = gk_grid_candidate(g, light, to, share, r, 0.75f);
-    const gk_f32 ab = a.promise + b.promise, abc = ab + c.promise, sum = abc + d.promise;
-    const gk_f32 at = r->pick * sum;
-    const gk_i32 in_a = at < a.promise, in_b = at < ab, in_c = at < abc;
-    const gk_u32 index = in_a   ? a.pick.light
-                         : in_b ? b.pick.light
-                         : in_c ? c.pick.light
-                                : d.pick.light;
-    const gk_f32 choice = in_a   ? a.pick.choice
-                          : in_b ? b.pick.choice
-                          : in_c ? c.pick.choice
-                                 : d.pick.choice;
-    const gk_f32 promise = in_a ? a.promise : in_b ? b.promise : in_c ? c.promise : d.promise;
-    struct gk_light_sample s = gk_light_from_table(light + index, to->x, choice, r->u, r->v);
-    s.L = gk_scale(s.L, promise > 0.0f ? 0.25f * (sum / promise) : 0.0f);
+    struct gk_light_fold f = {{0u, 0.0f}, 0.0f, 0.0f, r->pick};
+    f = gk_grid_fold(f, g, light, to, share, r, 0.0f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.125f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.25f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.375f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.5f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.625f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.75f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.875f);
+    struct gk_light_sample s =
+        gk_light_from_table(light + f.pick.light, to->keys, to->x, f.pick.choice, r->u, r->v);
+    s.L = gk_scale(s.L, f.promise > 0.0f ? 0.125f * (f.sum / f.promise) : 0.0f);
     return s;
 }
 

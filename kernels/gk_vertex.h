@@ -13,6 +13,7 @@
 struct gk_path {
     struct gk_vec o, d, beta;
     gk_f32 t, pdf;
+    gk_f32 time; // 0..1 of the shutter, 0 where nothing moves
     gk_u32 lane, depth;
 };
 
@@ -25,6 +26,11 @@ GK_INLINE struct gk_path gk_path_load(const GK_GLOBAL gk_f32 *wave, gk_u32 strid
         gk_vec(GK_LOAD(GK_COL_BETA_R, i), GK_LOAD(GK_COL_BETA_G, i), GK_LOAD(GK_COL_BETA_B, i));
     p.t = GK_LOAD(GK_COL_T, i);
     p.pdf = GK_LOAD(GK_COL_PDF, i);
+#ifdef GK_MOTION
+    p.time = GK_LOAD(GK_COL_TIME, i);
+#else
+    p.time = 0.0f;
+#endif
     p.lane = GK_LOAD_U32(GK_COL_LANE, i);
     p.depth = GK_LOAD_U32(GK_COL_DEPTH, i);
     return p;

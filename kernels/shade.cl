@@ -64,7 +64,8 @@ GK_INLINE struct gk_vec gk_found_emission(const __global struct gk_frame *frame,
     const __global struct gk_light *light = lights->light + (sampled ? index : 0u);
     const gk_f32 choice =
         gk_table_choice(frame, lights, path->o, sampled ? index : 0u) * (1.0f - frame->env_choice);
-    const gk_f32 pdf = gk_triangle_light_pdf(light, path->t, gk_abs(hit->cos_g), choice);
+    const gk_f32 pdf = gk_triangle_light_pdf(light, gk_light_keys_at(frame, path->time), path->t,
+                                             gk_abs(hit->cos_g), choice);
     const gk_f32 w = sampled ? gk_mis_weight(path->pdf, pdf) : 1.0f;
     return gk_scale(gk_hit_emission(scene, hit), w);
 #else
@@ -95,7 +96,7 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
     const gk_u32 index = gk_alias_choose(lights->alias, frame->lights, scaled, keep);
     const __global struct gk_light *light = lights->light + index;
     const gk_f32 chosen = gk_light_choice(light, frame->lights) * table;
-    struct gk_light_sample s = gk_light_from_table(light, to->x, chosen, u, v);
+    struct gk_light_sample s = gk_light_from_table(light, to->keys, to->x, chosen, u, v);
 #ifdef GK_LIGHT_GRID
     struct gk_light_numbers numbers = {scaled, keep, 0.0f, 0.0f, u, v, 0.0f};
     gk_f32 unused;
@@ -152,7 +153,8 @@ GK_INLINE void gk_sample_light(__global float *wave, gk_u32 stride, gk_u32 i,
     const struct gk_path *path = &x->path;
     const struct gk_vec p = x->p;
     const gk_i32 open = x->surface.transmission > 0.0f || x->in_medium;
-    const struct gk_light_receiver receiver = {p, x->hit.ns, open ? 1.0f : 0.0f};
+    const struct gk_light_receiver receiver = {p, x->hit.ns, open ? 1.0f : 0.0f,
+                                               gk_light_keys_at(frame, path->time)};
     const struct gk_light_sample s =
         gk_choose_light(frame, scene, lights, x->lane, path->depth, &receiver);
     const struct gk_vec wi = gk_to_local(x->onb, s.wi);
