@@ -7,6 +7,7 @@ kernel_headers = \
 	kernels/gk_coat.h \
 	kernels/gk_energy.h \
 	kernels/gk_environment.h \
+	kernels/gk_facet.h \
 	kernels/gk_film.h \
 	kernels/gk_filter.h \
 	kernels/gk_frame.h \
@@ -15,10 +16,12 @@ kernel_headers = \
 	kernels/gk_hit.h \
 	kernels/gk_light.h \
 	kernels/gk_light_grid.h \
+	kernels/gk_lobes.h \
 	kernels/gk_math.h \
 	kernels/gk_matte.h \
 	kernels/gk_medium.h \
 	kernels/gk_sampler.h \
+	kernels/gk_scatter.h \
 	kernels/gk_scene.h \
 	kernels/gk_solid.h \
 	kernels/gk_surface.h \
