@@ -127,7 +127,7 @@ bool glint_pose_rigid(double out[16], const double m[16])
     return true;
 }
 
-// What shrinks to nothing shrinks to this share of its neighbour.
+// What shrinks to nothing shrinks to this share of its neighbour; what cannot be there at all stays.
 #define REMNANT 1e-4
 
 static void mend(double m[16], const double near[16], double reach)
@@ -136,9 +136,6 @@ static void mend(double m[16], const double near[16], double reach)
     memcpy(mended, m, sizeof mended);
     for (int i = 0; i < 12; i++)
         mended[i] += REMNANT * near[i];
-    if (!glint_pose_drawable(mended, reach))
-        for (int i = 0; i < 12; i++)
-            mended[i] = REMNANT * near[i];
     memcpy(m, glint_pose_drawable(mended, reach) ? mended : near, sizeof mended);
 }
 
