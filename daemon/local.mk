@@ -125,6 +125,10 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/environment.c \
 	daemon/scene/facts.c \
 	daemon/scene/facts.h \
+	daemon/scene/files.c \
+	daemon/scene/files.h \
+	daemon/scene/form.c \
+	daemon/scene/form.h \
 	daemon/scene/geometry.c \
 	daemon/scene/geometry.h \
 	daemon/scene/gltf.c \
@@ -167,6 +171,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/import_helper.h \
 	daemon/scene/import_jail.c \
 	daemon/scene/import_jail.h \
+	daemon/scene/import_multipart.c \
 	daemon/scene/import_native.c \
 	daemon/scene/instances.c \
 	daemon/scene/internal.h \
@@ -178,8 +183,22 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/lights.c \
 	daemon/scene/materials.c \
 	daemon/scene/mattes.c \
+	daemon/scene/model.c \
+	daemon/scene/model.h \
+	daemon/scene/mtl.c \
+	daemon/scene/mtl.h \
+	daemon/scene/mtl_images.c \
+	daemon/scene/mtl_material.c \
+	daemon/scene/obj.c \
+	daemon/scene/obj_file.h \
+	daemon/scene/obj_meshes.c \
 	daemon/scene/opacity.c \
 	daemon/scene/place.c \
+	daemon/scene/ply.c \
+	daemon/scene/ply_header.c \
+	daemon/scene/ply_header.h \
+	daemon/scene/polygon.c \
+	daemon/scene/polygon.h \
 	daemon/scene/pose.c \
 	daemon/scene/pose.h \
 	daemon/scene/pose_channel.c \
@@ -207,10 +226,13 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/shape.c \
 	daemon/scene/shape.h \
 	daemon/scene/share.c \
+	daemon/scene/stl.c \
 	daemon/scene/store.c \
 	daemon/scene/store.h \
 	daemon/scene/tangents.c \
-	daemon/scene/textures.c
+	daemon/scene/textures.c \
+	daemon/scene/words.c \
+	daemon/scene/words.h
 nodist_libglintdaemon_a_SOURCES = kernels/embedded.c protocol/contract.c
 
 bin_PROGRAMS += glintd

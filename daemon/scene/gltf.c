@@ -27,11 +27,11 @@ static void read_scene(struct glint_gltf *g)
 }
 
 glint_status glint_gltf_import(struct glint_scene **out, const uint8_t *bytes, size_t size,
-                               struct glint_error *err)
+                               struct glint_files *files, struct glint_error *err)
 {
     *out = NULL;
     struct glint_error own = {0};
-    struct glint_gltf g = {.err = err ? err : &own};
+    struct glint_gltf g = {.err = err ? err : &own, .files = files};
     glint_status st = glint_gltf_split(&g, bytes, size);
     if (!st)
         st = glint_gltf_open(&g);

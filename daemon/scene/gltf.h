@@ -15,12 +15,14 @@
 #define GLINT_SCENE_GLTF_H
 
 #include "protocol/scene.h"
+#include "scene/files.h"
 
 //   GLINT_E_SYNTAX  the container or the JSON is broken
 //   GLINT_E_RANGE   faults, with pointers into the glTF JSON
 //   GLINT_E_NOMEM
 // The scene is not completed: it may lack a camera and an emitter.
+// `files` are those that it may name beside its own data, NULL: none.
 glint_status glint_gltf_import(struct glint_scene **out, const uint8_t *bytes, size_t size,
-                               struct glint_error *err);
+                               struct glint_files *files, struct glint_error *err);
 
 #endif

@@ -5,6 +5,30 @@
 
 #include <stdio.h>
 
+static void check_files(struct glint_gltf *g, enum glint_gltf_kind kind)
+{
+    for (uint32_t i = 0; i < g->list[kind].count; i++) {
+        const struct glint_json at = glint_gltf_item(g, kind, i);
+        const struct glint_json uri = glint_json_member(&at, "uri");
+        const char *text = cJSON_IsString(uri.value) ? uri.value->valuestring : NULL;
+        if (!text || glint_data_uri_is(text) || glint_files_find_uri(g->files, text))
+            continue;
+        if (g->files)
+            glint_json_fault(&uri, "\"%.80s\" is not among the files that were sent", text);
+        else
+            glint_json_fault(&uri,
+                             "\"%.80s\" lies outside of the file; send both as "
+                             "multipart/form-data",
+                             text);
+    }
+}
+
+void glint_gltf_check_files(struct glint_gltf *g)
+{
+    check_files(g, GLTF_BUFFERS);
+    check_files(g, GLTF_IMAGES);
+}
+
 // The binary chunk of a GLB is buffer 0 where that has no URI; it may be padded to a multiple of 4.
 // A buffer may have no data at all, for an extension to fill: a fault only for who reads from it.
 static struct glint_gltf_span find_buffer(struct glint_gltf *g, uint32_t i,
@@ -18,8 +42,9 @@ static struct glint_gltf_span find_buffer(struct glint_gltf *g, uint32_t i,
     } else if (!cJSON_IsString(uri.value)) {
         glint_json_fault(&uri, "a string is expected");
     } else if (!glint_data_uri_is(uri.value->valuestring)) {
-        glint_json_fault(&uri, "\"%.80s\" lies outside of the file; its data must be in it",
-                         uri.value->valuestring);
+        const struct glint_file *file = glint_files_find_uri(g->files, uri.value->valuestring);
+        if (file)
+            data = (struct glint_gltf_span){file->bytes, file->size};
     } else {
         char pointer[48];
         snprintf(pointer, sizeof pointer, "/buffers/%u/uri", i);

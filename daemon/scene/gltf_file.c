@@ -146,6 +146,7 @@ glint_status glint_gltf_open(struct glint_gltf *g)
     for (int kind = 0; kind < GLTF_KINDS; kind++)
         if (!read_list(g, (enum glint_gltf_kind)kind))
             return g->err->status;
+    glint_gltf_check_files(g);
     if (!g->err->status)
         glint_gltf_read_buffers(g);
     return g->err->status;

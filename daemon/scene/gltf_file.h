@@ -4,6 +4,7 @@
 
 #include "protocol/json.h"
 #include "protocol/scene.h"
+#include "scene/files.h"
 
 // --- names
 
@@ -100,6 +101,7 @@ enum glint_gltf_ids {
 
 struct glint_gltf {
     struct glint_error *err;
+    struct glint_files *files;        // that came along, or NULL
     struct glint_scene *scene;        // being built
     struct glint_arena scratch;       // lives as long as this
     struct glint_gltf_span json, bin; // of the file; bin.bytes is NULL where there is none
@@ -151,6 +153,8 @@ void glint_gltf_close(struct glint_gltf *g);
 bool glint_gltf_nomem(struct glint_gltf *g);
 
 // --- gltf_buffers.c
+// A fault for each file that a buffer or an image names and that did not come along.
+void glint_gltf_check_files(struct glint_gltf *g);
 void glint_gltf_read_buffers(struct glint_gltf *g);
 
 // --- gltf_notes.c

@@ -60,9 +60,9 @@ static bool decode_uri(struct glint_gltf *g, uint32_t i, const struct glint_json
     snprintf(pointer, sizeof pointer, "/images/%u/uri", i);
     if (!cJSON_IsString(uri->value))
         return glint_json_fault(uri, "a string is expected");
-    if (!glint_data_uri_is(uri->value->valuestring))
-        return glint_json_fault(uri, "\"%.80s\" lies outside of the file; its data must be in it",
-                                uri->value->valuestring);
+    const struct glint_file *file = glint_files_find_uri(g->files, uri->value->valuestring);
+    if (file && !glint_data_uri_is(uri->value->valuestring))
+        return decode(g, i, file->bytes, file->size, out);
     if (glint_data_uri_decode(uri->value->valuestring, &bytes, &size, pointer, g->err))
         return false;
     const bool done = decode(g, i, bytes, size, out);

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "scene/gltf.h"
 #include "scene/import_answer.h"
+#include "scene/model.h"
 
 #include <stdio.h>
 #include <sys/mman.h>
@@ -14,13 +15,28 @@ glint_status glint_import_decode(struct glint_import_work *w, struct glint_error
     switch (w->type) {
     case GLINT_SCENE_NATIVE:
         return glint_import_native(w, err);
-    case GLINT_SCENE_GLB:
-    case GLINT_SCENE_GLTF: {
-        const glint_status st = glint_gltf_import(&w->scene, w->bytes, w->size, err);
+    case GLINT_SCENE_MULTIPART:
+        return glint_import_multipart(w, err);
+    default: {
+        const glint_status st = glint_import_file(w, w->type, w->bytes, w->size, NULL, err);
         return st ? st : glint_scene_complete_file(w->scene, err);
     }
+    }
+}
+
+glint_status glint_import_file(struct glint_import_work *w, enum glint_scene_type type,
+                               const uint8_t *bytes, size_t size, struct glint_files *files,
+                               struct glint_error *err)
+{
+    switch (type) {
+    case GLINT_SCENE_OBJ:
+        return glint_obj_import(&w->scene, bytes, size, files, err);
+    case GLINT_SCENE_PLY:
+        return glint_ply_import(&w->scene, bytes, size, err);
+    case GLINT_SCENE_STL:
+        return glint_stl_import(&w->scene, bytes, size, err);
     default:
-        return glint_fail(err, GLINT_E_RANGE, "", "files of type %d are not read", w->type);
+        return glint_gltf_import(&w->scene, bytes, size, files, err);
     }
 }
 

@@ -2,6 +2,7 @@
 #ifndef GLINT_SCENE_IMPORT_CHILD_H
 #define GLINT_SCENE_IMPORT_CHILD_H
 
+#include "scene/files.h"
 #include "scene/import_helper.h"
 
 // Reads the input memfd, writes the answer to the output memfd and exits with one of the exit
@@ -24,6 +25,11 @@ struct glint_import_work {
 
 // On GLINT_OK work->scene is complete.
 glint_status glint_import_decode(struct glint_import_work *work, struct glint_error *err);
+
+// One file of any kind but native, into w->scene, which is not completed.
+glint_status glint_import_file(struct glint_import_work *w, enum glint_scene_type type,
+                               const uint8_t *bytes, size_t size, struct glint_files *files,
+                               struct glint_error *err);
 
 // Native JSON: pictures in data URIs and in encoded assets become assets, then the text is parsed.
 glint_status glint_import_native(struct glint_import_work *work, struct glint_error *err);

@@ -19,7 +19,7 @@ static struct glint_scene *take(uint8_t *glb, size_t size)
 {
     struct glint_error err = {0};
     struct glint_scene *scene;
-    const glint_status st = glint_gltf_import(&scene, glb, size, &err);
+    const glint_status st = glint_gltf_import(&scene, glb, size, NULL, &err);
     if (st)
         fail_msg("%s: %s", err.count ? err.fault[0].pointer : "", glint_error_text(&err));
     free(glb);
@@ -45,7 +45,7 @@ void gltf_refused(uint8_t *glb, size_t size, glint_status status, const char *po
 {
     struct glint_error err = {0};
     struct glint_scene *scene;
-    assert_int_equal(glint_gltf_import(&scene, glb, size, &err), status);
+    assert_int_equal(glint_gltf_import(&scene, glb, size, NULL, &err), status);
     assert_null(scene);
     assert_string_equal(err.fault[0].pointer, pointer);
     if (!strstr(err.fault[0].detail, word))

@@ -103,7 +103,7 @@ struct glint_scene *gltf_moving(const char *rest)
     struct glint_error err = {0};
     struct glint_scene *scene;
     uint8_t *glb = gltf_moving_glb(rest, NULL, &size);
-    if (glint_gltf_import(&scene, glb, size, &err))
+    if (glint_gltf_import(&scene, glb, size, NULL, &err))
         fail_msg("%s: %s", err.count ? err.fault[0].pointer : "", glint_error_text(&err));
     free(glb);
     return scene;

@@ -13,10 +13,27 @@
 #include <string.h>
 
 struct options {
-    enum glint_scene_type type;
+    bool native; // whatever the extension
     bool verbose;
     struct glint_import_limits limits;
 };
+
+// By the extension, GLB where that tells nothing.
+static enum glint_scene_type type_of(const char *file)
+{
+    static const struct {
+        const char *extension;
+        enum glint_scene_type type;
+    } kinds[] = {{".gltf", GLINT_SCENE_GLTF},
+                 {".obj", GLINT_SCENE_OBJ},
+                 {".ply", GLINT_SCENE_PLY},
+                 {".stl", GLINT_SCENE_STL}};
+    const char *dot = strrchr(file, '.');
+    for (size_t i = 0; dot && i < sizeof kinds / sizeof *kinds; i++)
+        if (strcmp(dot, kinds[i].extension) == 0)
+            return kinds[i].type;
+    return GLINT_SCENE_GLB;
+}
 
 static uint8_t *read_file(const char *path, size_t *size)
 {
@@ -141,9 +158,10 @@ static void dump(glint_importer *importer, const struct options *o, const char *
         fprintf(stderr, "import_dump: cannot read %s\n", file);
         exit(1);
     }
+    const enum glint_scene_type type = o->native ? GLINT_SCENE_NATIVE : type_of(file);
     const double start = glint_now();
     glint_status st = glint_import_run(
-        importer, &(struct glint_import_source){.type = o->type, .bytes = bytes, .size = size},
+        importer, &(struct glint_import_source){.type = type, .bytes = bytes, .size = size},
         &o->limits, &im, &err);
     const double run = glint_now() - start;
     const bool imported = st == GLINT_OK;
@@ -164,7 +182,7 @@ static void dump(glint_importer *importer, const struct options *o, const char *
 
 int main(int argc, char **argv)
 {
-    struct options o = {.type = GLINT_SCENE_GLB};
+    struct options o = {0};
     glint_importer *importer = NULL;
     struct glint_error err = {0};
     if (glint_importer_create(&importer, &err)) {
@@ -173,7 +191,7 @@ int main(int argc, char **argv)
     }
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--native") == 0)
-            o.type = GLINT_SCENE_NATIVE;
+            o.native = true;
         else if (strcmp(argv[i], "--verbose") == 0)
             o.verbose = true;
         else if (strcmp(argv[i], "--memory") == 0 && i + 1 < argc)

@@ -251,11 +251,11 @@ static void every_truncation_is_refused_as_syntax(void **state)
         struct glint_scene *s;
         uint8_t *cut = malloc(n ? n : 1); // exact, so that a sanitizer sees a step too far
         memcpy(cut, glb, n);
-        assert_int_equal(glint_gltf_import(&s, cut, n, NULL), GLINT_E_SYNTAX);
+        assert_int_equal(glint_gltf_import(&s, cut, n, NULL, NULL), GLINT_E_SYNTAX);
         if (n >= 12) { // and with a header that agrees
             for (int k = 0; k < 4; k++)
                 cut[8 + k] = (uint8_t)(n >> (8 * k));
-            assert_int_not_equal(glint_gltf_import(&s, cut, n, NULL), GLINT_OK);
+            assert_int_not_equal(glint_gltf_import(&s, cut, n, NULL, NULL), GLINT_OK);
         }
         free(cut);
     }
@@ -354,7 +354,8 @@ static void json_with_data_uris_needs_no_container(void **state)
         "],\"nodes\":[{\"mesh\":0}]}";
     struct glint_scene *s;
     static const float expected[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-    assert_int_equal(glint_gltf_import(&s, (const uint8_t *)json, strlen(json), NULL), GLINT_OK);
+    assert_int_equal(glint_gltf_import(&s, (const uint8_t *)json, strlen(json), NULL, NULL),
+                     GLINT_OK);
     gltf_floats_equal(s->mesh[0].position, expected, 9, 0);
     glint_scene_destroy(&s);
 }

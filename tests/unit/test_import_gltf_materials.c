@@ -49,7 +49,7 @@ static void factors_out_of_range_are_all_named(void **state)
                  &size);
     struct glint_error err = {0};
     struct glint_scene *s;
-    assert_int_equal(glint_gltf_import(&s, glb, size, &err), GLINT_E_RANGE);
+    assert_int_equal(glint_gltf_import(&s, glb, size, NULL, &err), GLINT_E_RANGE);
     assert_int_equal(err.count, 3);
     assert_string_equal(err.fault[0].pointer, "/materials/0/pbrMetallicRoughness/metallicFactor");
     assert_string_equal(err.fault[1].pointer, "/materials/0/pbrMetallicRoughness/roughnessFactor");
