@@ -26,6 +26,8 @@ struct gk_raw_hit {
     gk_u32 primitive, geometry, instance;
     gk_f32 u, v;
     struct gk_vec ng; // not normalised
+    gk_u32 key;       // under GK_MOTION: the motion key before the path's time,
+    gk_f32 w;         // and the way to the next one, 0..1
 };
 
 struct gk_hit {
@@ -67,81 +69,126 @@ GK_INLINE struct gk_coordinates gk_coordinates_at(const struct gk_resident *r, g
     return at;
 }
 
-GK_INLINE struct gk_vec gk_instance_normal(const GK_GLOBAL struct gk_instance *row, struct gk_vec n)
+// How a row turns what its mesh has into the world, at a path's time.
+struct gk_turning {
+    struct gk_vec a, b, c; // rows of the inverse transpose
+    gk_i32 turns;          // else the mesh is in the world as it is
+    gk_f32 sign;           // of the determinant
+};
+
+#ifdef GK_MOTION
+// Row k of the matrix between the two motion keys around the hit.
+GK_INLINE struct gk_vec gk_turn_row(const GK_GLOBAL struct gk_turn *turn, gk_u32 k, gk_f32 w)
 {
+    const GK_GLOBAL gk_f32 *m = turn->normal + 3u * k, *n = (turn + 1)->normal + 3u * k;
+    const struct gk_vec from = gk_vec(m[0], m[1], m[2]);
+    return gk_along(from, gk_sub(gk_vec(n[0], n[1], n[2]), from), w);
+}
+#endif
+
+GK_INLINE struct gk_turning gk_instance_turning(const struct gk_resident *r,
+                                                const GK_GLOBAL struct gk_instance *row,
+                                                const struct gk_raw_hit *raw)
+{
+    struct gk_turning t;
 #ifdef GK_INSTANCES
     const GK_GLOBAL gk_f32 *m = row->normal;
-    const struct gk_vec turned =
-        gk_vec(m[0] * n.x + m[1] * n.y + m[2] * n.z, m[3] * n.x + m[4] * n.y + m[5] * n.z,
-               m[6] * n.x + m[7] * n.y + m[8] * n.z);
-    return gk_vec_select(n, turned, (row->flags & GK_INSTANCE_TRANSFORMED) != 0u);
+    t.a = gk_vec(m[0], m[1], m[2]);
+    t.b = gk_vec(m[3], m[4], m[5]);
+    t.c = gk_vec(m[6], m[7], m[8]);
+    t.turns = (row->flags & GK_INSTANCE_TRANSFORMED) != 0u;
+    t.sign = (row->flags & GK_INSTANCE_MIRRORED) != 0u ? -1.0f : 1.0f;
 #else
-    (void)row;
-    return n;
+    t.a = gk_vec(1.0f, 0.0f, 0.0f);
+    t.b = gk_vec(0.0f, 1.0f, 0.0f);
+    t.c = gk_vec(0.0f, 0.0f, 1.0f);
+    t.turns = 0;
+    t.sign = 1.0f;
 #endif
+#ifdef GK_MOTION
+    const gk_u32 first = row->mover == GK_NONE ? GK_NONE : r->mover[row->mover].turn;
+    const gk_i32 moves = first != GK_NONE;
+    const GK_GLOBAL struct gk_turn *turn = r->turn + (moves ? first + raw->key : 0u);
+    t.a = gk_vec_select(t.a, gk_turn_row(turn, 0u, raw->w), moves);
+    t.b = gk_vec_select(t.b, gk_turn_row(turn, 1u, raw->w), moves);
+    t.c = gk_vec_select(t.c, gk_turn_row(turn, 2u, raw->w), moves);
+    t.turns = t.turns || moves;
+#else
+    (void)r;
+    (void)row;
+    (void)raw;
+#endif
+    return t;
+}
+
+GK_INLINE struct gk_vec gk_instance_normal(const struct gk_turning *t, struct gk_vec n)
+{
+    const struct gk_vec turned = gk_vec(gk_dot(t->a, n), gk_dot(t->b, n), gk_dot(t->c, n));
+    return gk_vec_select(n, turned, t->turns);
 }
 
 // The front side's geometric normal from the traced one: of the world where the tracer has the
 // mesh in the world, with its winding turned by a mirroring; else of the mesh.
-GK_INLINE struct gk_vec gk_instance_front(const GK_GLOBAL struct gk_instance *row,
-                                          struct gk_raw_hit raw)
+GK_INLINE struct gk_vec gk_instance_front(const struct gk_turning *t, const struct gk_raw_hit *raw)
 {
-#ifdef GK_INSTANCES
-    const gk_i32 mirrored = (row->flags & GK_INSTANCE_MIRRORED) != 0u;
-    const struct gk_vec baked = gk_vec_select(raw.ng, gk_negate(raw.ng), mirrored);
-    return gk_vec_select(baked, gk_instance_normal(row, raw.ng), raw.instance != GK_NONE);
-#else
-    (void)row;
-    return raw.ng;
-#endif
+    const struct gk_vec baked = gk_vec_select(raw->ng, gk_negate(raw->ng), t->sign < 0.0f);
+    return gk_vec_select(baked, gk_instance_normal(t, raw->ng), raw->instance != GK_NONE);
 }
 
 #ifdef GK_NORMAL_MAPS
-// Sign of the row's determinant.
-GK_INLINE gk_f32 gk_instance_sign(const GK_GLOBAL struct gk_instance *row)
-{
-#ifdef GK_INSTANCES
-    return (row->flags & GK_INSTANCE_MIRRORED) != 0u ? -1.0f : 1.0f;
-#else
-    (void)row;
-    return 1.0f;
-#endif
-}
-
 // A vector along the surface, up to its length, zero if that is zero: the cofactors of the inverse
 // transpose are the placement itself over its determinant.
-GK_INLINE struct gk_vec gk_instance_vector(const GK_GLOBAL struct gk_instance *row, struct gk_vec t)
+GK_INLINE struct gk_vec gk_instance_vector(const struct gk_turning *turning, struct gk_vec t)
 {
-#ifdef GK_INSTANCES
-    const GK_GLOBAL gk_f32 *m = row->normal;
-    const struct gk_vec a = gk_vec(m[0], m[1], m[2]);
-    const struct gk_vec b = gk_vec(m[3], m[4], m[5]);
-    const struct gk_vec c = gk_vec(m[6], m[7], m[8]);
+    const struct gk_vec a = turning->a, b = turning->b, c = turning->c;
     const struct gk_vec along = gk_normalise_any(
         gk_vec(gk_dot(gk_cross(b, c), t), gk_dot(gk_cross(c, a), t), gk_dot(gk_cross(a, b), t)));
-    const struct gk_vec turned = gk_scale(along, gk_instance_sign(row));
-    const gk_i32 turns = (row->flags & GK_INSTANCE_TRANSFORMED) != 0u && gk_dot(t, t) > 0.0f;
-    return gk_vec_select(t, turned, turns);
+    const struct gk_vec turned = gk_scale(along, turning->sign);
+    return gk_vec_select(t, turned, turning->turns && gk_dot(t, t) > 0.0f);
+}
+
+// What a normal map is laid on.
+struct gk_map_frame {
+    struct gk_vec tangent; // interpolated, in the world
+    gk_f32 side;           // of the bitangent
+};
+
+GK_INLINE struct gk_vec gk_tangent_at(const GK_GLOBAL struct gk_tangent *record, gk_f32 u, gk_f32 v)
+{
+    const GK_GLOBAL gk_f32 *t = record->tangent;
+    const gk_f32 w = 1.0f - u - v;
+    return gk_vec(w * t[0] + u * t[4] + v * t[8], w * t[1] + u * t[5] + v * t[9],
+                  w * t[2] + u * t[6] + v * t[10]);
+}
+
+GK_INLINE struct gk_map_frame gk_map_frame_at(const struct gk_resident *r, gk_u32 triangle,
+                                              gk_u32 stride, const struct gk_raw_hit *raw,
+                                              const struct gk_turning *turning)
+{
+    const GK_GLOBAL struct gk_tangent *record = r->tangent + triangle;
+    struct gk_vec tangent = gk_tangent_at(record, raw->u, raw->v);
+#ifdef GK_MOTION
+    record += raw->key * stride;
+    const struct gk_vec from = gk_tangent_at(record, raw->u, raw->v);
+    const struct gk_vec to = gk_tangent_at(record + stride, raw->u, raw->v);
+    tangent = gk_along(from, gk_sub(to, from), raw->w);
 #else
-    (void)row;
-    return t;
+    (void)stride;
 #endif
+    struct gk_map_frame f;
+    f.tangent = gk_instance_vector(turning, tangent);
+    f.side = record->tangent[3] * turning->sign;
+    return f;
 }
 
 // Shading normal from a normal map, in the frame of the interpolated tangents.
 GK_INLINE struct gk_vec gk_mapped_normal(const struct gk_resident *r, const struct gk_hit *hit,
-                                         gk_u32 texture, gk_f32 scale)
+                                         const struct gk_map_frame *map, gk_u32 texture,
+                                         gk_f32 scale)
 {
-    const gk_f32 u = hit->u, v = hit->v;
-    const GK_GLOBAL gk_f32 *t = r->tangent[hit->triangle].tangent;
-    const gk_f32 w = 1.0f - u - v;
-    const struct gk_vec raw = gk_vec(w * t[0] + u * t[4] + v * t[8], w * t[1] + u * t[5] + v * t[9],
-                                     w * t[2] + u * t[6] + v * t[10]);
-    const GK_GLOBAL struct gk_instance *row = r->instance + hit->instance;
-    struct gk_vec tangent = gk_instance_vector(row, raw);
-    tangent = gk_normalise(gk_along(tangent, hit->ns, -gk_dot(tangent, hit->ns)));
-    const gk_f32 side = t[3] * gk_instance_sign(row);
-    const struct gk_vec bitangent = gk_scale(gk_cross(hit->ns, tangent), side);
+    const struct gk_vec tangent =
+        gk_normalise(gk_along(map->tangent, hit->ns, -gk_dot(map->tangent, hit->ns)));
+    const struct gk_vec bitangent = gk_scale(gk_cross(hit->ns, tangent), map->side);
     const struct gk_texel n = gk_texture_at(&r->textures, texture, hit->at);
     const struct gk_vec inner = gk_vec((n.r * 2.0f - 1.0f) * scale, (n.g * 2.0f - 1.0f) * scale,
                                        gk_max(n.b * 2.0f - 1.0f, 0.0f));
@@ -161,6 +208,34 @@ GK_INLINE struct gk_vec gk_turned_normal(struct gk_vec n, struct gk_vec ng, stru
     return gk_vec_select(turned, ng, gk_dot(turned, d) > -1e-4f);
 }
 
+// Records from a motion key to the next, 0 of a mesh that keeps its shape.
+GK_INLINE gk_u32 gk_deforming_stride(const struct gk_resident *r,
+                                     const GK_GLOBAL struct gk_instance *row)
+{
+#ifdef GK_MOTION
+    return row->mover == GK_NONE ? 0u : r->mover[row->mover].stride;
+#else
+    (void)r;
+    (void)row;
+    return 0u;
+#endif
+}
+
+// Interpolated over the triangle and between the keys, not normalised; zero: the mesh is flat.
+GK_INLINE struct gk_vec gk_smooth_normal(const GK_GLOBAL struct gk_triangle *tri, gk_u32 stride,
+                                         const struct gk_raw_hit *raw)
+{
+#ifdef GK_MOTION
+    const GK_GLOBAL struct gk_triangle *at = tri + raw->key * stride;
+    const struct gk_vec from = gk_interpolate3(at->normal, raw->u, raw->v);
+    const struct gk_vec to = gk_interpolate3((at + stride)->normal, raw->u, raw->v);
+    return gk_along(from, gk_sub(to, from), raw->w);
+#else
+    (void)stride;
+    return gk_interpolate3(tri->normal, raw->u, raw->v);
+#endif
+}
+
 // d: unit direction of the ray.
 GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw_hit raw,
                                       struct gk_vec d)
@@ -177,23 +252,26 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
     hit.at = gk_coordinates_at(r, hit.triangle, raw.u, raw.v);
 
     // As long as its triangle is large: the square of a small one's would underflow.
-    const struct gk_vec front = gk_normalise_any(gk_instance_front(row, raw));
+    const struct gk_turning turning = gk_instance_turning(r, row, &raw);
+    const struct gk_vec front = gk_normalise_any(gk_instance_front(&turning, &raw));
     hit.cos_g = gk_dot(front, d);
     hit.ng = gk_vec_select(front, gk_negate(front), hit.cos_g > 0.0f);
-    const struct gk_vec smooth = gk_interpolate3(tri->normal, raw.u, raw.v);
+    const gk_u32 stride = gk_deforming_stride(r, row);
+    const struct gk_vec smooth = gk_smooth_normal(tri, stride, &raw);
     const gk_i32 flat = gk_dot(smooth, smooth) == 0.0f;
-    struct gk_vec ns = gk_normalise(gk_instance_normal(row, smooth));
+    struct gk_vec ns = gk_normalise(gk_instance_normal(&turning, smooth));
     ns = gk_vec_select(ns, hit.ng, flat);
 #ifdef GK_NORMAL_MAPS
     // The map is made for the side that the normals point to; turn afterwards.
     const GK_GLOBAL struct gk_material *m = r->material + hit.material;
     hit.ns = gk_vec_select(ns, front, flat);
-    ns = gk_mapped_normal(r, &hit, m->normal_texture, m->normal_scale);
+    const struct gk_map_frame map = gk_map_frame_at(r, hit.triangle, stride, &raw, &turning);
+    ns = gk_mapped_normal(r, &hit, &map, m->normal_texture, m->normal_scale);
 #endif
 #ifdef GK_CLEARCOAT
 #ifdef GK_NORMAL_MAPS
     const struct gk_vec nc =
-        gk_mapped_normal(r, &hit, m->coat_normal_texture, m->coat_normal_scale);
+        gk_mapped_normal(r, &hit, &map, m->coat_normal_texture, m->coat_normal_scale);
 #else
     const struct gk_vec nc = ns;
 #endif

@@ -204,6 +204,15 @@ GK_INLINE struct gk_vertex gk_vertex_load(const GK_GLOBAL gk_f32 *wave, gk_u32 s
     x.path = gk_path_load(wave, stride, i);
     struct gk_raw_hit raw = gk_raw_hit_load(wave, stride, i);
     x.missed = raw.geometry == GK_NONE;
+#ifdef GK_MOTION
+    const gk_f32 at = x.path.time * (gk_f32)(gk_i32)frame->motion_segments;
+    const gk_i32 last = gk_max_i32((gk_i32)frame->motion_segments - 1, 0);
+    raw.key = (gk_u32)gk_min_i32((gk_i32)at, last);
+    raw.w = at - (gk_f32)(gk_i32)raw.key;
+#else
+    raw.key = 0u;
+    raw.w = 0.0f;
+#endif
     // A miss shades the first triangle of the scene and throws the result away: no divergence.
     raw.geometry = x.missed ? 0u : raw.geometry;
     raw.instance = x.missed ? GK_NONE : raw.instance;
