@@ -266,7 +266,7 @@ static void bad_requests_get_their_status(void **state)
 static void a_refused_method_names_the_allowed_ones(void **state)
 {
     (void)state;
-    char *answer = ask("PATCH /v1/scenes/room HTTP/1.1\r\n" END);
+    char *answer = ask("POST /v1/scenes/room HTTP/1.1\r\n" END);
     assert_int_equal(405, status_of(answer));
     assert_non_null(strstr(answer, "Allow: GET, HEAD, PUT, PATCH, DELETE\r\n"));
     assert_non_null(strstr(answer, "Content-Type: application/problem+json\r\n"));
