@@ -30,6 +30,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/device/sources.h \
 	daemon/http/answer.c \
 	daemon/http/answer.h \
+	daemon/http/assets.c \
 	daemon/http/blob.c \
 	daemon/http/blob.h \
 	daemon/http/body.c \
@@ -45,6 +46,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/http.h \
 	daemon/http/jobs.c \
 	daemon/http/mattes.c \
+	daemon/http/media.c \
+	daemon/http/media.h \
 	daemon/http/offload.c \
 	daemon/http/offload.h \
 	daemon/http/picture.c \

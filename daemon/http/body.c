@@ -1,4 +1,5 @@
 #include "http/answer.h"
+#include "http/media.h"
 #include "http/routes.h"
 
 #include "base/clock.h"
@@ -17,7 +18,8 @@
 // May be large.
 static bool holds_scene(const struct glint_request *r)
 {
-    return r->route->body == GLINT_BODY_SCENE || r->route->body == GLINT_BODY_SCENE_PATCH;
+    const enum glint_body_kind kind = r->route->body;
+    return kind == GLINT_BODY_SCENE || kind == GLINT_BODY_SCENE_PATCH || kind == GLINT_BODY_ASSET;
 }
 
 size_t glint_body_limit(const struct glint_request *r)
@@ -28,25 +30,23 @@ size_t glint_body_limit(const struct glint_request *r)
     return holds_scene(r) ? l->scene_bytes : l->job_bytes;
 }
 
-static bool has_type(const char *header, const char *type)
-{
-    const size_t length = strlen(type);
-    return !strncasecmp(header, type, length) && strchr("; \t", header[length]);
-}
+static const char *const job_types[] = {"application/json", NULL};
+static const char *const patch_types[] = {"application/merge-patch+json", "application/json", NULL};
 
-// What the routes take; a scene without a type, or of the type of any bytes, tells by itself.
-static const char *const accepted[][4] = {
-    [GLINT_BODY_JOB] = {"application/json"},
-    [GLINT_BODY_PATCH] = {"application/merge-patch+json", "application/json"},
-    [GLINT_BODY_SCENE_PATCH] = {"application/merge-patch+json", "application/json"},
-    [GLINT_BODY_SCENE] = {"model/gltf-binary", "application/json", "application/octet-stream"},
+// What the routes take; a scene without a type may tell by itself, an asset is whatever it is.
+static const char *const *const accepted[] = {
+    [GLINT_BODY_JOB] = job_types,
+    [GLINT_BODY_PATCH] = patch_types,
+    [GLINT_BODY_SCENE_PATCH] = patch_types,
+    [GLINT_BODY_SCENE] = glint_media_scenes,
+    [GLINT_BODY_ASSET] = NULL,
 };
 
 // Both the value of Accept and words of a sentence.
 static void list_accepted(enum glint_body_kind kind, char *out, size_t size)
 {
     *out = 0;
-    for (int i = 0; i < 4 && accepted[kind][i]; i++) {
+    for (int i = 0; accepted[kind][i]; i++) {
         const size_t used = strlen(out);
         snprintf(out + used, size - used, "%s%s", used ? ", " : "", accepted[kind][i]);
     }
@@ -55,10 +55,10 @@ static void list_accepted(enum glint_body_kind kind, char *out, size_t size)
 static bool type_is_accepted(struct glint_request *r, const char *given)
 {
     const enum glint_body_kind kind = r->route->body;
-    if (!given)
-        return kind == GLINT_BODY_SCENE;
-    for (int i = 0; i < 4 && accepted[kind][i]; i++)
-        if (has_type(given, accepted[kind][i]))
+    if (!given || kind == GLINT_BODY_ASSET)
+        return kind == GLINT_BODY_SCENE || kind == GLINT_BODY_ASSET;
+    for (int i = 0; accepted[kind][i]; i++)
+        if (glint_media_is(given, accepted[kind][i]))
             return true;
     return false;
 }
@@ -76,7 +76,7 @@ static bool check_type(struct glint_request *r)
     }
     if (type_is_accepted(r, given))
         return true;
-    char types[128];
+    char types[256];
     list_accepted(kind, types, sizeof types);
     glint_fail(&err, GLINT_E_MEDIA_TYPE, "", "Content-Type: %.80s is not one of %s",
                given ? given : "(none)", types);

@@ -24,7 +24,14 @@ struct glint_parameter {
     char *name, *value;
 }; // of the query, decoded
 
-enum glint_body_kind { GLINT_BODY_NONE, GLINT_BODY_JOB, GLINT_BODY_PATCH, GLINT_BODY_SCENE, GLINT_BODY_SCENE_PATCH };
+enum glint_body_kind {
+    GLINT_BODY_NONE,
+    GLINT_BODY_JOB,
+    GLINT_BODY_PATCH,
+    GLINT_BODY_SCENE,
+    GLINT_BODY_SCENE_PATCH,
+    GLINT_BODY_ASSET
+};
 
 // The body as it arrives: small ones in memory, scenes in a memfd that is mapped once complete.
 struct glint_body {

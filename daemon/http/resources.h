@@ -11,6 +11,10 @@ void glint_http_scenes_put(struct glint_request *r);
 void glint_http_scenes_patch(struct glint_request *r);
 void glint_http_scenes_delete(struct glint_request *r);
 
+// assets.c
+void glint_http_assets_get(struct glint_request *r);
+void glint_http_assets_put(struct glint_request *r);
+
 // jobs.c
 void glint_http_jobs_post(struct glint_request *r);
 void glint_http_jobs_list(struct glint_request *r);

@@ -1,4 +1,5 @@
 #include "http/answer.h"
+#include "http/media.h"
 #include "http/resources.h"
 
 #include <stdio.h>
@@ -100,35 +101,18 @@ static bool check_conditions(struct glint_request *r, char must[ETAG_BYTES])
     return false;
 }
 
-// From Content-Type, or from the bytes where it does not tell.
-static enum glint_scene_type scene_type(struct glint_request *r)
-{
-    const char *type = glint_request_header(r, "Content-Type");
-    if (type && !strncasecmp(type, "model/gltf-binary", 17))
-        return GLINT_SCENE_GLB;
-    if (type && !strncasecmp(type, "application/json", 16))
-        return GLINT_SCENE_NATIVE;
-    return r->body.length >= 4 && !memcmp(r->body.bytes, "glTF", 4) ? GLINT_SCENE_GLB
-                                                                    : GLINT_SCENE_NATIVE;
-}
-
 void glint_http_scenes_put(struct glint_request *r)
 {
     struct glint_error err = {0};
     glint_revision *revision = NULL;
-    char must[ETAG_BYTES];
+    struct glint_import_source source;
+    char must[ETAG_BYTES], boundary[GLINT_MAX_BOUNDARY + 1];
     bool created;
     if (!check_conditions(r, must))
         return;
-    if (!r->body.length)
-        glint_fail(&err, GLINT_E_SYNTAX, "", "the body is empty");
-    else
-        glint_store_put(r->http->store, r->argument[0],
-                        &(struct glint_import_source){.type = scene_type(r),
-                                                      .bytes = r->body.bytes,
-                                                      .size = r->body.length,
-                                                      .fd = r->body.fd},
-                        *must ? must : NULL, &revision, &created, &err);
+    if (!glint_media_source(r, boundary, &source, &err))
+        glint_store_put(r->http->store, r->argument[0], &source, *must ? must : NULL, &revision,
+                        &created, &err);
     if (err.count) {
         glint_answer_error(r, &err);
         return;

@@ -24,6 +24,7 @@ struct glint_store {
     pthread_cond_t opened;
     bool open;
     struct glint_revision revision; // of "room"
+    glint_assets *assets;
 };
 
 struct glint_render {
@@ -59,6 +60,7 @@ void fake_house_open(struct fake_house *house, uint32_t tiles)
     pthread_mutex_init(&house->store->mutex, NULL);
     pthread_cond_init(&house->store->opened, NULL);
     house->store->open = true;
+    glint_assets_create(&house->store->assets, 1000, NULL);
     memset(house->store->revision.id, 'a', 64);
     pthread_mutex_init(&house->jobs->mutex, NULL);
     house->jobs->tiles = tiles;
@@ -74,6 +76,7 @@ void fake_house_close(struct fake_house *house)
     pthread_mutex_destroy(&house->store->mutex);
     pthread_cond_destroy(&house->store->opened);
     free(house->jobs);
+    glint_assets_destroy(&house->store->assets);
     free(house->store);
     free(house->devices);
 }
@@ -387,6 +390,11 @@ cJSON *glint_patch_describe(const struct glint_patch_report *report)
 {
     (void)report;
     return cJSON_CreateObject();
+}
+
+glint_assets *glint_store_assets(glint_store *store)
+{
+    return store->assets;
 }
 
 glint_status glint_store_get(glint_store *store, const char *name, glint_revision **out,

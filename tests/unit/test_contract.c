@@ -48,7 +48,9 @@ static char *operation(const struct glint_route *row)
 {
     char path[128] = "", method[8];
     const char *hole = strstr(row->pattern, "{}");
-    const char *name = strncmp(row->pattern, "/v1/scenes", 10) ? "{id}" : "{scene}";
+    const char *name = !strncmp(row->pattern, "/v1/scenes", 10)   ? "{scene}"
+                       : !strncmp(row->pattern, "/v1/assets", 10) ? "{sha256}"
+                                                                  : "{id}";
     if (hole)
         snprintf(path, sizeof path, "%.*s%s%s", (int)(hole - row->pattern), row->pattern, name,
                  hole + 2);
