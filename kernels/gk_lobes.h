@@ -56,8 +56,8 @@ GK_INLINE struct gk_vec gk_dielectric(const struct gk_surface *s, gk_f32 f)
 #ifdef GK_SPECULAR
     const struct gk_vec raised = gk_along(gk_splat(f), s->tint, 1.0f - f);
     const struct gk_vec tinted =
-        gk_vec(s->specular * gk_max(raised.x, 0.0f), s->specular * gk_max(raised.y, 0.0f),
-               s->specular * gk_max(raised.z, 0.0f));
+        gk_vec(s->specular * gk_saturate(raised.x), s->specular * gk_saturate(raised.y),
+               s->specular * gk_saturate(raised.z));
     return gk_vec_select(tinted, gk_splat(1.0f), f >= 1.0f && s->eta < 1.0f);
 #else
     (void)s;
@@ -118,7 +118,9 @@ GK_INLINE struct gk_vec gk_interface_albedo(const struct gk_surface *s, gk_f32 c
 {
     const gk_f32 white = gk_energy_albedo(s->energy, GK_ENERGY_WHITE, cosine, s->alpha);
     const gk_f32 part = gk_energy_albedo(s->energy, s->interface, cosine, s->alpha);
-    return gk_along(gk_rough_dielectric(s, white, part), s->again_below, 1.0f - white);
+    const struct gk_vec all =
+        gk_along(gk_rough_dielectric(s, white, part), s->again_below, 1.0f - white);
+    return gk_vec(gk_min(all.x, 1.0f), gk_min(all.y, 1.0f), gk_min(all.z, 1.0f));
 }
 
 // Albedo of multiple scattering, of which `again` is the part that does not depend on wi: Kulla and
@@ -181,7 +183,7 @@ GK_INLINE void gk_lobes_prepare(struct gk_surface *s, struct gk_vec wo)
     const gk_f32 sum = (diffuse + other) * passed + coat;
     s->p_diffuse = sum > 0.0f ? diffuse * passed / sum : 1.0f;
     s->coat.p = sum > 0.0f ? coat / sum : 0.0f;
-    s->p_facet = 1.0f - s->p_diffuse - s->coat.p;
+    s->p_facet = gk_max(1.0f - s->p_diffuse - s->coat.p, 0.0f);
 #else
     const gk_f32 sum = diffuse + other;
     s->p_diffuse = sum > 0.0f ? diffuse / sum : 1.0f;

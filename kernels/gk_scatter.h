@@ -13,11 +13,11 @@
 #if defined(GK_COLLIMATION) && defined(GK_MICROFACET)
 
 // A unit direction whose part along the surface is n times as long, on the same side; z is 0 where
-// there is none.
+// there is none. From z, for at grazing angles 1 - x^2 - y^2 has few digits.
 GK_INLINE struct gk_vec gk_bend(struct gk_vec w, gk_f32 n)
 {
-    const gk_f32 x = w.x * n, y = w.y * n;
-    return gk_vec(x, y, gk_copysign(gk_sqrt(gk_max(1.0f - x * x - y * y, 0.0f)), w.z));
+    const gk_f32 z2 = (1.0f - n) * (1.0f + n) + n * n * w.z * w.z;
+    return gk_vec(w.x * n, w.y * n, gk_copysign(gk_sqrt(gk_max(z2, 0.0f)), w.z));
 }
 
 // Index of wi's and of wo's side over that of the thinner one.

@@ -8,6 +8,7 @@ UNIT_TESTS = \
 	tests/kernel/test_bsdf \
 	tests/kernel/test_bsdf_density \
 	tests/kernel/test_bsdf_layers \
+	tests/kernel/test_bsdf_layers_density \
 	tests/kernel/test_dialects \
 	tests/kernel/test_filter \
 	tests/kernel/test_fresnel \
@@ -23,6 +24,7 @@ UNIT_TESTS = \
 	tests/render/test_matte_names \
 	tests/render/test_mattes \
 	tests/render/test_motion \
+	tests/render/test_resident \
 	tests/render/test_transport \
 	tests/unit/test_arena \
 	tests/unit/test_contract \
@@ -99,6 +101,7 @@ moving = tests/render/moving.c tests/render/moving.h $(stable)
 tests_render_test_flow_SOURCES = tests/render/test_flow.c $(moving)
 tests_render_test_motion_SOURCES = tests/render/test_motion.c $(moving)
 tests_render_test_features_SOURCES = tests/render/test_features.c $(stable)
+tests_render_test_resident_SOURCES = tests/render/test_resident.c $(stable)
 tests_stability_test_degenerate_SOURCES = tests/stability/test_degenerate.c $(stable)
 tests_stability_test_demo_SOURCES = tests/stability/test_demo.c $(stable)
 tests_stability_test_environment_SOURCES = tests/stability/test_environment.c $(stable)
@@ -110,12 +113,13 @@ tests_stability_test_rays_SOURCES = tests/stability/test_rays.c $(stable)
 tests_stability_test_texture_SOURCES = tests/stability/test_texture.c $(stable)
 
 # Measurements: built and run by name.
-EXTRA_PROGRAMS += tests/bench/embree_share tests/bench/exr_tile tests/bench/million_scene
+EXTRA_PROGRAMS += tests/bench/embree_share tests/bench/exr_tile tests/bench/memory tests/bench/million_scene
 tests_bench_embree_share_SOURCES = tests/bench/embree_share.c tests/bench/bench.c \
 	tests/bench/bench.h $(offline)
 tests_bench_embree_share_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_geometry_trace_wave \
 	-Wl,--wrap=glint_geometry_shadow_wave
 tests_bench_exr_tile_LDADD = $(PROTOCOL_LIBS)
+tests_bench_memory_SOURCES = tests/bench/memory.c $(offline)
 tests_bench_million_scene_SOURCES = tests/bench/million_scene.c tests/bench/bench.c \
 	tests/bench/bench.h
 
@@ -159,6 +163,7 @@ SCRIPT_TESTS = \
 	tests/clients/cli_daemon.py \
 	tests/clients/cli_pack.py \
 	tests/clients/cli_render.py \
+	tests/clients/cli_update.py \
 	tests/clients/cli_usage.py \
 	tests/clients/demo_scene.py \
 	tests/http/test_daemon.py \
