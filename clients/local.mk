@@ -11,6 +11,7 @@ libglintcli_a_SOURCES = \
 	clients/cli/cmd_plan.c \
 	clients/cli/cmd_render.c \
 	clients/cli/cmd_scenes.c \
+	clients/cli/cmd_update.c \
 	clients/cli/command.h \
 	clients/cli/download.c clients/cli/download.h \
 	clients/cli/follow.c clients/cli/follow.h \

@@ -148,6 +148,7 @@ static bool make_headers(const struct glint_request *r, struct curl_slist **list
     return add_header(list, "Content-Type", r->body ? r->body->type : NULL) &&
            add_header(list, "Idempotency-Key", r->idempotency_key) &&
            add_header(list, "Last-Event-ID", r->last_event_id) &&
+           add_header(list, "If-Match", r->if_match) &&
            add_header(list, "Accept", r->stream ? "text/event-stream" : "*/*");
 }
 

@@ -30,6 +30,7 @@ struct glint_request {
     const struct glint_body *body; // or NULL
     const char *idempotency_key;   // or NULL
     const char *last_event_id;     // or NULL
+    const char *if_match;          // or NULL
     bool steady;                   // runs through signals; for requests that answer at once
     bool stream;                   // the server sends something at least every 60 s
     long connect_ms;               // 0: 10 s

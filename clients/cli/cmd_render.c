@@ -4,6 +4,7 @@
 #include "follow.h"
 #include "interrupt.h"
 #include "order.h"
+#include "problem.h"
 #include "upload.h"
 
 #include <stdio.h>
@@ -122,6 +123,21 @@ static glint_status wait_and_fetch(struct glint_session *s, const struct glint_o
     return status;
 }
 
+// A live job goes on by itself; all others are waited for.
+static glint_status see_through(struct glint_session *s, const struct glint_order *o, cJSON *job,
+                                struct glint_error *err)
+{
+    if (!o->live)
+        return wait_and_fetch(s, o, text_of(job, "id"), err);
+    if (s->json) {
+        glint_session_print(cJSON_Duplicate(job, true));
+    } else {
+        glint_print_plain(stdout, text_of(job, "id"));
+        putchar('\n');
+    }
+    return GLINT_OK;
+}
+
 // Another user may have replaced the scene between its upload and the job.
 static glint_status check_revision(const cJSON *job, const char *uploaded, struct glint_error *err)
 {
@@ -144,8 +160,8 @@ static glint_status render(struct glint_session *s, const struct glint_order *o,
     const char *id = text_of(job, "id");
     const glint_status stale = status ? GLINT_OK : check_revision(job, revision, err);
     if (!status)
-        status = stale ? stale : wait_and_fetch(s, o, id, err);
-    if (*id && (stale || glint_interrupt_seen()))
+        status = stale ? stale : see_through(s, o, job, err);
+    if (*id && (stale || (glint_interrupt_seen() && !o->live)))
         cancel(s, id);
     free(revision);
     cJSON_Delete(job);
@@ -158,8 +174,8 @@ static glint_status run_render(struct glint_session *s, const struct glint_argum
     struct glint_order order;
     const bool spawn = !glint_options_flag(a, "no-spawn");
     glint_status status = glint_order_read(&order, s, a, err);
-    if (!status) // a private daemon has no scenes yet: it serves files only
-        status = glint_session_open(s, a, spawn && order.file, err);
+    if (!status) // a private daemon has no scenes yet, and ends with this command
+        status = glint_session_open(s, a, spawn && order.file && !order.live, err);
     if (!status)
         status = render(s, &order, err);
     glint_order_finish(&order);

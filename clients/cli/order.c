@@ -49,6 +49,20 @@ static cJSON *to_region(const char *text)
     return to_numbers(text, ',', 4);
 }
 
+// A,B of any numbers.
+static cJSON *to_pair(const char *text)
+{
+    char first[64];
+    double value[2];
+    const char *comma = strchr(text, ',');
+    if (!comma || (size_t)(comma - text) >= sizeof first)
+        return NULL;
+    snprintf(first, sizeof first, "%.*s", (int)(comma - text), text);
+    if (!glint_read_number(first, &value[0]) || !glint_read_number(comma + 1, &value[1]))
+        return NULL;
+    return cJSON_CreateDoubleArray(value, 2);
+}
+
 static cJSON *to_list(const char *text)
 {
     cJSON *list = cJSON_CreateArray();
@@ -81,6 +95,9 @@ static const struct {
     {"max-bounces", NULL, "max_bounces", to_count, "a whole number"},
     {"seed", NULL, "seed", to_count, "a whole number"},
     {"frame", NULL, "frame", to_count, "a whole number"},
+    {"fps", NULL, "fps", to_number, "a number"},
+    {"shutter", NULL, "shutter", to_pair, "OPEN,CLOSE"},
+    {"animation", NULL, "animation", to_text, "a name"},
     {"priority", NULL, "priority", to_number, "a number"},
     {"name", NULL, "name", to_text, "a name"},
 };
@@ -99,6 +116,11 @@ const struct glint_option glint_order_options[] = {
     {"max-bounces", 0, "N", "longest paths"},
     {"seed", 0, "N", "of the random numbers"},
     {"frame", 'f', "N", "number of the frame"},
+    {"fps", 0, "F", "frames per second, the scene's where it is 0"},
+    {"shutter", 0, "A,B", "it is open from A to B, in frames from the frame on"},
+    {"animation", 0, "NAME", "of the scene; none: as it is at rest"},
+    {"live", 0, NULL,
+     "follow the scene and the job's camera without an end; prints the job and returns"},
     {"priority", 0, "N", "-100..100, higher is first"},
     {"name", 0, "NAME", "the job's name"},
     {"scene-name", 0, "NAME", "what an uploaded scene is called (as its file)"},
@@ -207,6 +229,12 @@ static glint_status read_outputs(struct glint_order *o, struct glint_session *s,
 {
     const char *pattern[GLINT_MAX_FILES + 1];
     const size_t count = glint_options_all(a, "output", pattern, GLINT_MAX_FILES + 1);
+    if (o->live)
+        return !count ? GLINT_OK
+                      : glint_session_usage(s, err,
+                                            "a live job has no end at which %s could be "
+                                            "written: use glint get",
+                                            pattern[0]);
     if (!count || count > GLINT_MAX_FILES)
         return glint_session_usage(s, err, "render wants -o FILE, at most %d times",
                                    GLINT_MAX_FILES);
@@ -230,6 +258,9 @@ glint_status glint_order_read(struct glint_order *out, struct glint_session *s,
         out->job = cJSON_CreateObject();
     if (status)
         return status;
+    if (glint_options_flag(a, "live"))
+        set_member(out->job, NULL, "live", cJSON_CreateTrue());
+    out->live = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(out->job, "live"));
     if (!glint_progress_init(&s->progress, glint_options_text(a, "progress"), s->json))
         status = glint_session_usage(s, err, "--progress wants auto, bar, plain, openjd or none");
     glint_status (*const parts[])(struct glint_order *, struct glint_session *,

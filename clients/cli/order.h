@@ -15,6 +15,7 @@ struct glint_order {
     char *output[GLINT_MAX_FILES]; // owned
     size_t outputs;
     const char *key; // Idempotency-Key, or NULL
+    bool live;       // the job has no end: there are no outputs
 };
 
 extern const struct glint_option glint_order_options[];

@@ -11,7 +11,7 @@ import cli
 import tap
 from fake_daemon import Answer, FakeDaemon, problem
 
-COMMANDS = {"put": ["x.glb"], "scenes": [], "render": ["x"], "jobs": [], "watch": ["j"],
+COMMANDS = {"put": ["x.glb"], "scenes": [], "update": ["s", "patch.json"], "render": ["x"], "jobs": [], "watch": ["j"],
             "get": ["j"], "cancel": ["j"], "mattes": ["j"], "matte": ["j"], "plan": ["j"]}
 
 
@@ -83,13 +83,14 @@ def test_silence_at_the_server_exits_69():
     more = {"put": ["scene.glb"], "render": ["scene.glb", "-o", "f.exr", "--no-spawn"],
             "get": ["j", "-o", "f.exr"], "matte": ["j", "-o", "m.exr", "--name", "a"]}
     with cli.Silence() as server, tempfile.TemporaryDirectory() as folder:
-        with open(os.path.join(folder, "scene.glb"), "wb") as scene:
-            scene.write(b"glTF")
+        for name in ["scene.glb", "patch.json"]:
+            with open(os.path.join(folder, name), "wb") as file:
+                file.write(b"glTF")
         for command, operands in COMMANDS.items():
             run = cli.glint(command, *more.get(command, operands), server=server, cwd=folder)
             assert run.returncode == 69, (command, run)
             assert server in run.stderr
-        assert os.listdir(folder) == ["scene.glb"]
+        assert sorted(os.listdir(folder)) == ["patch.json", "scene.glb"]
 
 
 def test_the_option_wins_over_the_environment():

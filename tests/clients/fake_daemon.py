@@ -72,7 +72,7 @@ class Handler(BaseHTTPRequestHandler):
         if answer.cut is not None:
             self.close_connection = True
 
-    do_GET = do_PUT = do_POST = do_DELETE = handle_any
+    do_GET = do_PUT = do_POST = do_PATCH = do_DELETE = handle_any
 
     def start_stream(self):
         """For answers that write events: opens a stream that ends with the connection."""

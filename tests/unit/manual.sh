@@ -19,7 +19,7 @@ documents() {
 }
 
 documents glintd.8 "$GLINTD"
-for command in render put scenes jobs watch get cancel mattes matte plan; do
+for command in render put scenes update jobs watch get cancel mattes matte plan; do
     documents glint.1 "$GLINT" $command
 done
 echo "1..$n"
