@@ -80,10 +80,12 @@ glint_status glint_film_create(glint_film **out, glint_devices *devices,
     if (!f)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a film");
     const bool aovs = glint_plan_has(plan, GLINT_PASS_AOVS);
+    const bool flow = plan->on & glint_effect_bit("motion vectors");
     const bool coverage = glint_plan_has(plan, GLINT_PASS_COVERAGE);
     f->columns = (job->region[2] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
     f->rows = (job->region[3] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
-    f->tile_words = (GK_PLANES_BASE + (aovs ? GK_PLANES_AOV : 0)) * GK_TILE_PIXELS;
+    f->tile_words = (GK_PLANES_BASE + (aovs ? GK_PLANES_AOV : 0) + (flow ? GK_PLANES_FLOW : 0)) *
+                    GK_TILE_PIXELS;
     f->tile_slots = coverage ? (job->matte_slots + 1) * GK_TILE_PIXELS : 0;
     const size_t largest = f->tile_slots * (size_t)8 > f->tile_words * (size_t)4
                                ? f->tile_slots * (size_t)8
