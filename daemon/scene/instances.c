@@ -140,6 +140,7 @@ static void fill_movers(struct glint_resident *r)
         if (!has_mover(r, row))
             continue;
         in[i].mover = (uint32_t)at.movers;
+        r->facts.motion |= glint_row_moves(r, row);
         struct gk_mover *m = &mover[at.movers++];
         *m = (struct gk_mover){GK_NONE, k->keys > 1 ? k->triangles : 0, GK_NONE, 0};
         if (turns(r, row)) {

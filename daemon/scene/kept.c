@@ -12,18 +12,13 @@ static const uint32_t quad_index[6] = {0, 2, 1, 0, 3, 2}; // faces -z, where are
 
 // ---- equal meshes
 
-// Bytes from the first position to another array: the layout of an asset.
-static ptrdiff_t offset(const struct glint_mesh *m, const void *array)
-{
-    return array ? (const char *)array - (const char *)m->position : -1;
-}
-
+// Which arrays there are says where each lies in an asset.
 static bool same_layout(const struct glint_mesh *a, const struct glint_mesh *b)
 {
-    return offset(a, a->normal) == offset(b, b->normal) && offset(a, a->uv) == offset(b, b->uv) &&
-           offset(a, a->tangent) == offset(b, b->tangent) &&
-           offset(a, a->uv1) == offset(b, b->uv1) && offset(a, a->color) == offset(b, b->color) &&
-           offset(a, a->index) == offset(b, b->index);
+    return !a->normal == !b->normal && !a->uv == !b->uv && !a->tangent == !b->tangent &&
+           !a->uv1 == !b->uv1 && !a->color == !b->color && !a->joint == !b->joint &&
+           !a->weight == !b->weight && a->targets == b->targets &&
+           !a->target_normal == !b->target_normal && !a->target_tangent == !b->target_tangent;
 }
 
 static bool same_array(const void *a, const void *b, size_t bytes)

@@ -128,6 +128,10 @@ void glint_share_settle(struct glint_resident *r)
     const uint32_t meshes = r->change.items[GLINT_PART_MESHES];
     SETTLE(GLINT_PART_MESHES, meshes, GLINT_TABLE_TRIANGLES, GLINT_TABLE_TANGENTS, GLINT_TABLE_UV1,
            GLINT_TABLE_COLOURS);
+    if (meshes) { // with records that are those of another by chance
+        r->change.fate[GLINT_PART_MESHES] = GLINT_UPLOADED;
+        r->change.items[GLINT_PART_MESHES] = meshes;
+    }
     SETTLE(GLINT_PART_TEXTURES, r->scene->images, GLINT_TABLE_TEXTURES, GLINT_TABLE_DECODE,
            GLINT_TABLE_POOL0, GLINT_TABLE_POOL1, GLINT_TABLE_POOL2, GLINT_TABLE_POOL3);
     SETTLE(GLINT_PART_MATERIALS, r->scene->materials, GLINT_TABLE_MATERIALS, GLINT_TABLE_ENERGY);

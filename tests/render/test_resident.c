@@ -1,0 +1,460 @@
+// What a revision shares with the one before it, and that placed meshes are where baked ones are.
+#include "kernels/gk_wave.h"
+#include "scene/internal.h"
+#include "tests/stability/stable.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct offline o;
+
+// ---- scenes that differ in one thing
+
+struct edit {
+    const char *red;   // colour of a material
+    const char *place; // of the ball
+    const char *cube;  // members of an instance
+    const char *box;   // of a mesh
+    const char *lamp;  // intensity
+    const char *sky;
+    const char *more; // meshes
+};
+static const struct edit base = {
+    "[0.8,0.1,0.1]", "[1,0.5,0]", "", "'primitive':'box'", "5", "'radiance':[0.2,0.3,0.4]", ""};
+
+static char *picture(float first)
+{
+    const float rgb[12] = {first, 0.5f, 0.25f, 1, 0, 0, 0, 1, 0, 0.5f, 0.5f, 0.5f};
+    return stable_png(2, 2, rgb);
+}
+
+static char *text_of(const struct edit *e, float first_texel)
+{
+    char *png = picture(first_texel);
+    char *text = stable_text(
+        "{'environment':{%s},'images':{'p':{'data':'%s'}},"
+        "'materials':{'red':{'base_color':%s},'wood':{'base_color_texture':{'image':'p'}},"
+        "'glow':{'emission':[4,4,4]}},"
+        "'meshes':{'ball':{'primitive':'sphere','segments':48},'box':{%s},"
+        "'sheet':{'primitive':'quad','size':[9,9]}%s},"
+        "'instances':{'ball':{'mesh':'ball','material':'red','transform':{'translation':%s}},"
+        "'cube':{'mesh':'box','material':'wood','transform':{'translation':[-1,0.5,0],"
+        "'rotation':[0,0.6,0,0.8],'scale':[1,2,0.5]}%s},"
+        "'floor':{'mesh':'sheet','material':'wood','transform':{'rotation':[-1,0,0,1],"
+        "'translation':[0,-0.6,0]}},"
+        "'lid':{'mesh':'sheet','material':'glow','transform':{'rotation':[1,0,0,1],"
+        "'translation':[0,4,0],'scale':[0.1,0.1,0.1]}}},"
+        "'lights':{'lamp':{'type':'point','intensity':%s,'transform':{'translation':[2,3,2]}}},"
+        "'cameras':{'eye':{'yfov':0.9,'transform':{'translation':[0,1,6]}}}}",
+        e->sky, png, e->red, e->box, e->more, e->place, e->cube, e->lamp);
+    free(png);
+    return text;
+}
+
+static void free_import(void *import)
+{
+    struct glint_import *owned = import;
+    glint_import_destroy(&owned);
+}
+
+static glint_resident *load(char *text, const glint_resident *from)
+{
+    struct glint_error err = {0};
+    struct glint_import *import = NULL;
+    struct glint_scene *scene = NULL;
+    glint_resident *r = NULL;
+    const struct glint_import_source source = {
+        .type = GLINT_SCENE_NATIVE, .bytes = (const uint8_t *)text, .size = strlen(text)};
+    if (glint_import_run(o.importer, &source, NULL, &import, &err) ||
+        glint_scene_parse(&scene, import->text, import->length, import->asset, import->assets,
+                          &err) ||
+        glint_resident_create(
+            &r, o.devices, &(struct glint_resident_order){scene, free_import, import, NULL, from},
+            &err))
+        offline_die(text, &err);
+    free(text);
+    return r;
+}
+
+static struct glint_frame *show(glint_resident *r, bool live)
+{
+    return stable_frame_of(
+        &o, r,
+        stable_text("{'scene':'s','live':%s,'outputs':['beauty','normal','depth','crypto_object'],"
+                    "'resolution':[64,48],'max_bounces':3,'stop':{'samples':16}}",
+                    live ? "true" : "false"));
+}
+
+// ---- what is shared
+
+#define PART(p) (1u << GLINT_PART_##p)
+
+// Bits of the parts that are not kept.
+static unsigned made(const glint_resident *r)
+{
+    unsigned bits = 0;
+    for (int p = 0; p < GLINT_PARTS; p++)
+        bits |= glint_resident_change(r)->fate[p] != GLINT_KEPT ? 1u << p : 0;
+    return bits;
+}
+
+// The revision after an edit, of one that live and batch jobs trace; before is released first.
+static void assert_edit(const struct edit *to, float first_texel, unsigned parts,
+                        uint32_t new_meshes, uint32_t new_bodies)
+{
+    struct glint_error err = {0};
+    const struct glint_geometry *g;
+    glint_resident *before = load(text_of(&base, 0.5f), NULL);
+    assert_int_equal(glint_resident_geometry(before, GLINT_GEOMETRY_PLACED, false, &g, &err),
+                     GLINT_OK);
+    glint_resident *after = load(text_of(to, first_texel), before);
+    const struct glint_resident_change *c = glint_resident_change(after);
+    for (int p = 0; p < GLINT_PARTS; p++)
+        print_message("# %-12s %d, %u made, %.2f ms\n", glint_part_name[p], c->fate[p], c->items[p],
+                      1e3 * c->seconds[p]);
+    assert_int_equal(made(after), parts);
+    assert_int_equal(c->items[GLINT_PART_MESHES], new_meshes);
+    assert_int_equal(c->items[GLINT_PART_BVH], new_bodies);
+    for (int t = 0; t < GLINT_TABLES; t++)
+        if (!(parts & PART(MESHES)) && t <= GLINT_TABLE_COLOURS) // once in memory, not only equal
+            assert_ptr_equal(glint_resident_table(after, t), glint_resident_table(before, t));
+    glint_resident_release(&before);
+
+    // What is shared is the same as what a scene has that was made alone.
+    glint_resident *alone = load(text_of(to, first_texel), NULL);
+    struct glint_frame *f[4] = {show(after, true), show(alone, true), show(after, false),
+                                show(alone, false)};
+    stable_assert_same(f[0], f[1]);
+    stable_assert_same(f[2], f[3]);
+    for (int i = 0; i < 4; i++)
+        glint_frame_destroy(&f[i]);
+    glint_resident_release(&after);
+    glint_resident_release(&alone);
+}
+
+static void equal_scenes_share_everything(void **state)
+{
+    (void)state;
+    assert_edit(&base, 0.5f, 0, 0, 0);
+}
+
+static void a_colour_makes_material_records_only(void **state)
+{
+    (void)state;
+    struct edit e = base;
+    e.red = "[0.1,0.8,0.1]";
+    assert_edit(&e, 0.5f, PART(MATERIALS), 0, 0);
+}
+
+static void a_lamp_makes_the_light_table_only(void **state)
+{
+    (void)state;
+    struct edit e = base;
+    e.lamp = "7";
+    assert_edit(&e, 0.5f, PART(LIGHTS), 0, 0);
+}
+
+static void a_moved_ball_makes_the_placement_only(void **state)
+{
+    (void)state;
+    struct edit e = base;
+    e.place = "[1.25,0.5,0.5]";
+    assert_edit(&e, 0.5f, PART(PLACEMENT), 0, 0); // its row says nothing of where it is
+}
+
+static void a_hidden_cube_makes_rows_and_the_placement_only(void **state)
+{
+    (void)state;
+    struct edit e = base;
+    e.cube = ",'visible':false";
+    assert_edit(&e, 0.5f, PART(INSTANCES) | PART(PLACEMENT), 0, 0);
+}
+
+static void an_edited_mesh_makes_its_own_structure_only(void **state)
+{
+    (void)state;
+    struct edit e = base;
+    e.box = "'primitive':'box','size':[0.5,0.5,0.5]";
+    assert_edit(&e, 0.5f, PART(MESHES) | PART(BVH) | PART(PLACEMENT), 1, 1);
+}
+
+static void a_mesh_that_nothing_draws_makes_nothing(void **state)
+{
+    (void)state;
+    struct edit e = base;
+    e.more = ",'extra':{'primitive':'disk'}";
+    assert_edit(&e, 0.5f, 0, 0, 0);
+}
+
+static void a_texel_makes_textures_only(void **state)
+{
+    (void)state;
+    assert_edit(&base, 0.75f, PART(TEXTURES), 0, 0);
+}
+
+static void the_sky_is_a_constant_of_frames(void **state)
+{
+    (void)state;
+    struct edit e = base;
+    e.sky = "'radiance':[1,0.3,0.4]";
+    assert_edit(&e, 0.5f, 0, 0, 0);
+}
+
+// ---- placed and baked
+
+#define RAYS 4096u
+
+struct beam {
+    float wave[GK_COLUMNS][RAYS];
+};
+
+static void aim(struct beam *b, uint64_t *seed)
+{
+    memset(b->wave, 0, sizeof b->wave);
+    memset(b->wave[GK_COL_MASK], 0xff, sizeof b->wave[GK_COL_MASK]);
+    memset(b->wave[GK_COL_GEOMETRY], 0xff, sizeof b->wave[GK_COL_GEOMETRY]);
+    memset(b->wave[GK_COL_INSTANCE], 0xff, sizeof b->wave[GK_COL_INSTANCE]);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        double d[3], square = 0.0;
+        for (int k = 0; k < 3; k++) {
+            b->wave[GK_COL_OX + k][i] = (float)(6.0 * stable_random(seed) - 3.0);
+            d[k] = 4.0 * stable_random(seed) - 2.0 - b->wave[GK_COL_OX + k][i];
+            square += d[k] * d[k];
+        }
+        for (int k = 0; k < 3; k++)
+            b->wave[GK_COL_DX + k][i] = (float)(d[k] / sqrt(square));
+        b->wave[GK_COL_T][i] = INFINITY;
+    }
+}
+
+static uint32_t word(const struct beam *b, int column, uint32_t i)
+{
+    uint32_t w;
+    memcpy(&w, &b->wave[column][i], 4);
+    return w;
+}
+
+static uint32_t row_of(const struct beam *b, uint32_t i)
+{
+    const uint32_t instance = word(b, GK_COL_INSTANCE, i);
+    return instance != GK_NONE ? instance : word(b, GK_COL_GEOMETRY, i);
+}
+
+static bool same_hit(const struct beam *a, const struct beam *b, uint32_t i)
+{
+    return row_of(a, i) == row_of(b, i) &&
+           word(a, GK_COL_PRIMITIVE, i) == word(b, GK_COL_PRIMITIVE, i);
+}
+
+static void placed_meshes_are_hit_where_baked_ones_are(void **state)
+{
+    (void)state;
+    static struct beam a, b;
+    struct glint_error err = {0};
+    const struct glint_geometry *flat, *placed;
+    uint64_t seed = 5;
+    unsigned others = 0, hits = 0;
+    double worst = 0.0;
+    glint_resident *r = load(text_of(&base, 0.5f), NULL);
+    assert_int_equal(glint_resident_geometry(r, GLINT_GEOMETRY_FLAT, false, &flat, &err), GLINT_OK);
+    assert_int_equal(glint_resident_geometry(r, GLINT_GEOMETRY_PLACED, false, &placed, &err),
+                     GLINT_OK);
+    for (int wave = 0; wave < 25; wave++) {
+        aim(&a, &seed);
+        b = a;
+        glint_geometry_trace_wave(flat, &a.wave[0][0], RAYS, RAYS);
+        glint_geometry_trace_wave(placed, &b.wave[0][0], RAYS, RAYS);
+        for (uint32_t i = 0; i < RAYS; i++) {
+            const double t = a.wave[GK_COL_T][i], u = b.wave[GK_COL_T][i];
+            hits += t < INFINITY;
+            others += !same_hit(&a, &b, i);
+            if (same_hit(&a, &b, i) && t < INFINITY)
+                worst = fmax(worst, fabs(t - u));
+        }
+    }
+    print_message("# %u hits of %u rays, %u on another triangle, distances within %.2g\n", hits,
+                  25 * RAYS, others, worst);
+    assert_true(hits > RAYS);
+    assert_true(others <= 25 * RAYS / 10000); // along shared edges either is right
+    assert_true(worst < 1e-4);                // 4096 u of the coordinates: grazing ones are worst
+    glint_resident_release(&r);
+}
+
+static double apart(const struct glint_frame *f, const struct glint_frame *g, const char *channel,
+                    double bound)
+{
+    const float *p = glint_frame_find(f, channel), *q = glint_frame_find(g, channel);
+    size_t n = 0;
+    for (size_t i = 0; i < stable_pixels(f); i++)
+        n += !(fabs((double)p[i] - q[i]) <= bound);
+    return (double)n / (double)stable_pixels(f);
+}
+
+static void assert_alike(const struct glint_frame *f, const struct glint_frame *g)
+{
+    static const char *const channel[] = {"R", "G", "B", "Z", "N.X", "N.Y", "N.Z"};
+    for (size_t c = 0; c < sizeof channel / sizeof *channel; c++) {
+        const double share = apart(f, g, channel[c], 2e-3);
+        if (share > 0.01)
+            fail_msg("%s differs in %.2f %% of the pixels", channel[c], 100 * share);
+    }
+}
+
+static void live_jobs_show_what_batch_jobs_show(void **state)
+{
+    (void)state;
+    glint_resident *r = load(text_of(&base, 0.5f), NULL);
+    struct glint_frame *batch = show(r, false), *live = show(r, true);
+    assert_alike(batch, live);
+    glint_frame_destroy(&batch);
+    glint_frame_destroy(&live);
+    glint_resident_release(&r);
+}
+
+// ---- transforms that are no rotations
+
+// A leaf, as it is or as another would be under m (row-major 3x3), with the inverse transpose of m
+// for its normals. Flat, with one normal and one direction of the texture: what is interpolated
+// does not depend on whether it is transformed before or after.
+static char *leaf(const double m[9], const char *transform)
+{
+    static const double corner[4][3] = {
+        {-1, -1, -0.15}, {1, -0.8, 0.06}, {0.9, 1, 0.14}, {-1, 0.7, -0.065}};
+    static const double normal[3] = {-0.3, -0.2, 0.9};
+    char *position = NULL, *normals = NULL;
+    size_t length;
+    FILE *p = open_memstream(&position, &length), *n = open_memstream(&normals, &length);
+    for (int v = 0; v < 4; v++) {
+        double q[3], w[3], square = 0.0;
+        for (int i = 0; i < 3; i++) {
+            q[i] = w[i] = 0.0;
+            for (int j = 0; j < 3; j++) {
+                const int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+                q[i] += m[3 * i + j] * corner[v][j];
+                w[i] += (m[3 * a + c] * m[3 * b + d] - m[3 * a + d] * m[3 * b + c]) * normal[j];
+            }
+            square += w[i] * w[i];
+        }
+        double determinant = 0.0;
+        for (int j = 0; j < 3; j++)
+            determinant += m[j] * (m[3 + (j + 1) % 3] * m[6 + (j + 2) % 3] -
+                                   m[3 + (j + 2) % 3] * m[6 + (j + 1) % 3]);
+        const double unit = (determinant < 0.0 ? -1.0 : 1.0) / sqrt(square);
+        for (int i = 0; i < 3; i++) {
+            fprintf(p, "%s%.9g", v + i ? "," : "", q[i]);
+            fprintf(n, "%s%.9g", v + i ? "," : "", w[i] * unit);
+        }
+    }
+    fclose(p);
+    fclose(n);
+    const bool mirrored = m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+                              m[2] * (m[3] * m[7] - m[4] * m[6]) <
+                          0.0;
+    const float bump[12] = {0.9f, 0.6f, 0.9f, 0.2f, 0.7f, 0.9f, 0.5f, 0.2f, 0.9f, 0.7f, 0.7f, 0.9f};
+    char *png = stable_png(2, 2, bump);
+    char *text = stable_text(
+        "{'environment':{'radiance':[0.2,0.3,0.4]},'images':{'p':{'data':'%s'}},"
+        "'materials':{'m':{'base_color':[0.6,0.5,0.4],'roughness':0.4,'double_sided':false,"
+        "'normal_map':{'image':'p'},'emission':[0.1,0,0]}},"
+        "'meshes':{'l':{'positions':[%s],'normals':[%s],'uvs':[0.05,0.05,0.86,0.23,0.91,0.945,0."
+        "135,0.73],"
+        "'indices':[%s]}},"
+        "'instances':{'l':{'mesh':'l','material':'m'%s}},"
+        "'lights':{'lamp':{'type':'point','intensity':30,'transform':{'translation':[2,3,4]}}},"
+        "'cameras':{'eye':{'yfov':0.8,'transform':{'translation':[0,0,5]}}}}",
+        png, position, normals, mirrored ? "0,2,1,0,3,2" : "0,1,2,0,2,3", transform);
+    free(png);
+    free(position);
+    free(normals);
+    return text;
+}
+
+static void transforms_do_what_transformed_meshes_do(void **state)
+{
+    (void)state;
+    static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    static const double cases[][9] = {
+        {0.6, -0.8, 0, 0.8, 0.6, 0, 0, 0, 1},     // turned
+        {1.5, 0, 0, 0, 0.4, 0, 0, 0, 2},          // scaled
+        {1, 0.7, 0, 0, 1, 0, 0.3, 0, 1},          // sheared
+        {-1, 0, 0, 0, 1, 0, 0, 0, 1},             // mirrored
+        {-0.9, 0.3, 0.1, 0.4, 1.2, 0, 0.2, 0, 1}, // sheared and mirrored
+        {1, 0, 0, 0, 1, 0, 0, 0, -1},             // mirrored away: its back is seen
+    };
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        const double *m = cases[c];
+        char *transform =
+            stable_text(",'transform':[%.9g,%.9g,%.9g,0,%.9g,%.9g,%.9g,0,%.9g,%.9g,%.9g,0,0,0,0,1]",
+                        m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]);
+        glint_resident *given = load(leaf(m, ""), NULL);
+        glint_resident *turned = load(leaf(identity, transform), NULL);
+        struct glint_frame *want = show(given, false), *baked = show(turned, false),
+                           *placed = show(turned, true);
+        print_message("# case %zu: N.X differs in %.2f %% and %.2f %% of the pixels\n", c,
+                      100 * apart(want, baked, "N.X", 2e-3),
+                      100 * apart(want, placed, "N.X", 2e-3));
+        assert_alike(want, baked);
+        assert_alike(want, placed);
+        glint_frame_destroy(&want);
+        glint_frame_destroy(&baked);
+        glint_frame_destroy(&placed);
+        glint_resident_release(&given);
+        glint_resident_release(&turned);
+        free(transform);
+    }
+}
+
+static void placed_balls_far_from_their_own_origin_are_dark_inside(void **state)
+{
+    (void)state;
+    glint_resident *r = load(
+        stable_text("{'environment':{'radiance':[1e6,1e6,1e6]},'materials':{'m':{'ior':1}},"
+                    "'meshes':{'s':{'primitive':'sphere','segments':128}},"
+                    "'instances':{'s':{'mesh':'s','material':'m','transform':{"
+                    "'translation':[1e5,-1e5,1e5],'rotation':[0.3,0.1,0.2,0.9]}}},"
+                    "'cameras':{'eye':{'yfov':2,'transform':{'translation':[1e5,-1e5,1e5]}}}}"),
+        NULL);
+    struct glint_frame *f = stable_frame_of(
+        &o, r,
+        stable_text("{'scene':'s','live':true,'outputs':['beauty'],'resolution':[96,96],"
+                    "'max_bounces':1,'accuracy':{'traversal':'robust'},'stop':{'samples':64}}"));
+    assert_float_equal(stable_mean(f, "G").mean, 0.0, 0.0);
+    glint_frame_destroy(&f);
+    glint_resident_release(&r);
+}
+
+static int start(void **state)
+{
+    (void)state;
+    offline_start(&o, 2);
+    return 0;
+}
+
+static int finish(void **state)
+{
+    (void)state;
+    offline_finish(&o);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(equal_scenes_share_everything),
+        cmocka_unit_test(a_colour_makes_material_records_only),
+        cmocka_unit_test(a_lamp_makes_the_light_table_only),
+        cmocka_unit_test(a_moved_ball_makes_the_placement_only),
+        cmocka_unit_test(a_hidden_cube_makes_rows_and_the_placement_only),
+        cmocka_unit_test(an_edited_mesh_makes_its_own_structure_only),
+        cmocka_unit_test(a_mesh_that_nothing_draws_makes_nothing),
+        cmocka_unit_test(a_texel_makes_textures_only),
+        cmocka_unit_test(the_sky_is_a_constant_of_frames),
+        cmocka_unit_test(placed_meshes_are_hit_where_baked_ones_are),
+        cmocka_unit_test(live_jobs_show_what_batch_jobs_show),
+        cmocka_unit_test(transforms_do_what_transformed_meshes_do),
+        cmocka_unit_test(placed_balls_far_from_their_own_origin_are_dark_inside),
+    };
+    return cmocka_run_group_tests(tests, start, finish);
+}
