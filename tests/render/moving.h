@@ -1,0 +1,18 @@
+// moving.h - scenes in which one thing moves during the second from 0 to 1, one frame a second.
+#ifndef GLINT_TESTS_MOVING_H
+#define GLINT_TESTS_MOVING_H
+
+#include "tests/stability/stable.h"
+
+// Before a wall lit by a lamp and the sky; all malloc'd texts.
+char *moving_box(void);     // goes from left to right
+char *moving_bar(void);     // turns by a quarter about the line of sight
+char *moving_column(void);  // bends over by 60 degrees and swells: a skin and a morph target
+char *moving_camera(void);  // the camera passes the box and turns to it
+char *moving_emitter(void); // a panel that glows passes the wall, without other light
+char *moving_lamps(void);   // a point, a spot and an area light pass it
+
+// "'shutter':[open,close]" and so on for one of these, `side` pixels wide, 3/4 as high.
+char *moving_job(double open, double close, int side, int samples, int seed);
+
+#endif

@@ -1,0 +1,244 @@
+// Motion blur: what an open shutter shows is the mean of the moments that it is open for.
+#include "tests/render/moving.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct offline o;
+
+#define SIDE 64
+#define STILLS 64
+#define SAMPLES 8 // of a still
+#define BLOCK 8
+
+static const char *const colour[3] = {"R", "G", "B"};
+static const char *const variance[3] = {"variance.R", "variance.G", "variance.B"};
+
+static struct glint_frame *frame_at(const struct glint_posed *scene, double open, double close,
+                                    int samples, int seed)
+{
+    char *job = moving_job(open, close, SIDE, samples, seed);
+    struct glint_frame *f = offline_frame_posed(&o, scene, job, 0);
+    free(job);
+    return f;
+}
+
+// Of one pixel and channel over the stills.
+struct pixel {
+    double sum, variance, low, high;
+};
+
+static void add_still(struct pixel *to, const struct glint_frame *f, int channel)
+{
+    const float *value = glint_frame_find(f, colour[channel]);
+    const float *spread = glint_frame_find(f, variance[channel]);
+    for (size_t i = 0; i < stable_pixels(f); i++) {
+        to[i].sum += value[i] / STILLS;
+        to[i].variance += spread[i] / (STILLS * STILLS);
+        to[i].low = fmin(to[i].low, value[i]);
+        to[i].high = fmax(to[i].high, value[i]);
+    }
+}
+
+static struct pixel *stills_of(const struct glint_posed *scene, size_t pixels)
+{
+    struct pixel *p = malloc(3 * pixels * sizeof *p);
+    for (size_t i = 0; i < 3 * pixels; i++)
+        p[i] = (struct pixel){0, 0, INFINITY, -INFINITY};
+    for (int i = 0; i < STILLS; i++) {
+        const double time = (i + 0.5) / STILLS;
+        struct glint_frame *f = frame_at(scene, time, time, SAMPLES, i + 1);
+        for (int c = 0; c < 3; c++)
+            add_still(p + c * pixels, f, c);
+        glint_frame_destroy(&f);
+    }
+    return p;
+}
+
+// A block of pixels of the blurred frame beside the mean of the stills.
+struct block {
+    double blurred, mean, error, range;
+};
+
+static struct block block_at(const struct glint_frame *f, const struct pixel *stills, int channel,
+                             uint32_t x, uint32_t y)
+{
+    const float *value = glint_frame_find(f, colour[channel]);
+    const float *spread = glint_frame_find(f, variance[channel]);
+    const double n = BLOCK * BLOCK;
+    struct block b = {0};
+    for (uint32_t k = 0; k < BLOCK * BLOCK; k++) {
+        const size_t i = (size_t)(y + k / BLOCK) * f->width + x + k % BLOCK;
+        const struct pixel *p = &stills[channel * stable_pixels(f) + i];
+        b.blurred += value[i] / n;
+        b.mean += p->sum / n;
+        b.error += (p->variance + spread[i]) / (n * n);
+        b.range += (p->high - p->low) / n;
+    }
+    b.error = sqrt(b.error);
+    return b;
+}
+
+// Five standard errors, and what the rule of 64 midpoints may miss: where an edge comes over a pixel
+// and goes again it counts up to half an interval too many or too few, twice.
+static double bound_of(const struct block *b)
+{
+    return 5 * b->error + b->range / STILLS;
+}
+
+struct outcome {
+    double worst;  // difference by bound
+    double moving; // share of blocks that differ from the still of the middle by more than theirs
+    double bound;  // mean bound by mean value
+};
+
+static struct outcome compare(const struct glint_frame *blurred, const struct glint_frame *still,
+                              const struct pixel *stills)
+{
+    struct outcome out = {0};
+    double blocks = 0, bounds = 0, values = 0;
+    for (int c = 0; c < 3; c++)
+        for (uint32_t y = 0; y < blurred->height; y += BLOCK)
+            for (uint32_t x = 0; x < blurred->width; x += BLOCK, blocks++) {
+                const struct block b = block_at(blurred, stills, c, x, y);
+                const struct block s = block_at(still, stills, c, x, y);
+                const double ratio = fabs(b.blurred - b.mean) / bound_of(&b);
+                if (ratio > 1)
+                    print_message("# %s %u %u: %.5f, stills %.5f, bound %.5f\n", colour[c], x, y,
+                                  b.blurred, b.mean, bound_of(&b));
+                out.worst = fmax(out.worst, ratio);
+                out.moving += fabs(s.blurred - s.mean) > bound_of(&s);
+                bounds += bound_of(&b);
+                values += b.mean;
+            }
+    out.moving /= blocks;
+    out.bound = bounds / values;
+    return out;
+}
+
+static void assert_mean_of_stills(char *text)
+{
+    struct glint_posed scene = offline_load_posed_text(&o, text);
+    struct glint_frame *blurred = frame_at(&scene, 0, 1, SAMPLES * STILLS, 0);
+    struct glint_frame *still = frame_at(&scene, 0.5, 0.5, SAMPLES * STILLS, 0);
+    struct pixel *stills = stills_of(&scene, stable_pixels(blurred));
+    const struct outcome out = compare(blurred, still, stills);
+    print_message("# worst block %.2f of its bound; bounds %.2f %%; %.0f %% of blocks are moving\n",
+                  out.worst, 100 * out.bound, 100 * out.moving);
+    assert_true(out.worst <= 1);
+    assert_true(out.moving > 0.05);
+    free(stills);
+    glint_frame_destroy(&still);
+    glint_frame_destroy(&blurred);
+    glint_resident_release(&scene.resident);
+    free(text);
+}
+
+static void a_box_that_passes_is_the_mean_of_its_stills(void **state)
+{
+    (void)state;
+    assert_mean_of_stills(moving_box());
+}
+
+static void a_bar_that_turns_is_the_mean_of_its_stills(void **state)
+{
+    (void)state;
+    assert_mean_of_stills(moving_bar());
+}
+
+static void a_column_that_bends_and_swells_is_the_mean_of_its_stills(void **state)
+{
+    (void)state;
+    assert_mean_of_stills(moving_column());
+}
+
+static void a_camera_that_moves_sees_the_mean_of_its_stills(void **state)
+{
+    (void)state;
+    assert_mean_of_stills(moving_camera());
+}
+
+static void an_emitter_that_passes_lights_as_the_mean_of_its_stills(void **state)
+{
+    (void)state;
+    assert_mean_of_stills(moving_emitter());
+}
+
+static void lamps_that_pass_light_as_the_mean_of_their_stills(void **state)
+{
+    (void)state;
+    assert_mean_of_stills(moving_lamps());
+}
+
+static struct glint_frame *frame_of(char *text, char *members)
+{
+    struct glint_posed scene = offline_load_posed_text(&o, text);
+    char *job = stable_job(stable_text("'resolution':[64,48],'max_bounces':2,"
+                                       "'stop':{'samples':8},%s",
+                                       members));
+    struct glint_frame *f = offline_frame_posed(&o, &scene, job, 0);
+    glint_resident_release(&scene.resident);
+    free(job);
+    free(text);
+    return f;
+}
+
+static void a_shutter_without_length_shows_a_still(void **state)
+{
+    (void)state;
+    struct glint_frame *a = frame_of(moving_bar(), "'fps':1,'shutter':[0.25,0.25]");
+    struct glint_frame *b = frame_of(moving_bar(), "'fps':4,'shutter':[1,1]");
+    struct glint_frame *c = frame_of(moving_bar(), "'fps':4,'shutter':[0,0]");
+    struct glint_frame *rest = frame_of(moving_bar(), "'animation':'none'");
+    stable_assert_same(a, b);
+    stable_assert_same(c, rest); // its first key is how it rests
+    assert_true(stable_equal(a, c, "R") < stable_pixels(a));
+    glint_frame_destroy(&a);
+    glint_frame_destroy(&b);
+    glint_frame_destroy(&c);
+    glint_frame_destroy(&rest);
+}
+
+// A box beside a node that carries nothing that is seen.
+static char *idle_scene(const char *more)
+{
+    return stable_text(
+        "{'materials':{'m':{'base_color':[0.8,0.2,0.2]},'glow':{'emission':[3,3,3]}},"
+        "'meshes':{'box':{'primitive':'box'}},'nodes':{'n':{}},"
+        "'instances':{'a':{'mesh':'box','material':'m'},'b':{'mesh':'box','material':'glow',"
+        "'transform':{'translation':[2,1,0]}},'c':{'mesh':'box','material':'m','node':'n',"
+        "'visible':false}},'cameras':{'eye':{'yfov':0.6,'transform':{'translation':[0,0,6]}}}%s}",
+        more);
+}
+
+static void an_animation_of_nothing_that_is_seen_leaves_every_bit(void **state)
+{
+    (void)state;
+    struct glint_frame *still = frame_of(idle_scene(""), "'fps':1,'shutter':[0,1]");
+    struct glint_frame *idle =
+        frame_of(idle_scene(",'animations':{'a':{'channels':{'c':{'node':'n','path':'translation',"
+                            "'times':[0,1],'values':[0,0,0,1,0,0]}}}}"),
+                 "'fps':1,'shutter':[0,1]");
+    stable_assert_same(still, idle);
+    glint_frame_destroy(&still);
+    glint_frame_destroy(&idle);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_box_that_passes_is_the_mean_of_its_stills),
+        cmocka_unit_test(a_bar_that_turns_is_the_mean_of_its_stills),
+        cmocka_unit_test(a_column_that_bends_and_swells_is_the_mean_of_its_stills),
+        cmocka_unit_test(a_camera_that_moves_sees_the_mean_of_its_stills),
+        cmocka_unit_test(an_emitter_that_passes_lights_as_the_mean_of_its_stills),
+        cmocka_unit_test(lamps_that_pass_light_as_the_mean_of_their_stills),
+        cmocka_unit_test(a_shutter_without_length_shows_a_still),
+        cmocka_unit_test(an_animation_of_nothing_that_is_seen_leaves_every_bit),
+    };
+    offline_start(&o, 0);
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    offline_finish(&o);
+    return failed;
+}
