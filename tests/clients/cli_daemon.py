@@ -72,6 +72,26 @@ def test_every_command_works_on_a_scene_and_its_job():
         assert house.document("jobs") == {"jobs": []}
 
 
+def test_an_update_rebuilds_what_it_touches_and_no_more():
+    with House() as house:
+        first = house.document("put", house / "room.json")["revision"]
+        with open(house / "patch.json", "w", encoding="utf-8") as file:
+            json.dump({"materials": {name: {"roughness": 0.5} for name in ROOM["materials"]}}, file)
+        after = house.document("update", "room", house / "patch.json", "--if-match", first)
+        changes = after["changes"]
+        assert after["revision"] != first and "materials" not in changes["kept"]
+        assert {"meshes", "bvh", "placement"} <= set(changes["kept"]), changes
+        assert changes["milliseconds"]["total"] > 0
+        stale = house.glint("update", "room", house / "patch.json", "--if-match", first, expect=75)
+        assert after["revision"] in stale.stderr
+        told = house.glint("update", "room", house / "patch.json").stdout  # changes nothing
+        assert f"revision: {after['revision']}\n" in told and "rebuilt" not in told
+        with open(house / "patch.json", "w", encoding="utf-8") as file:
+            json.dump({"materials": {"wall": {"roughness": 2}}, "lamps": {}}, file)
+        run = house.glint("update", "room", house / "patch.json", expect=1)
+        assert "/materials/wall/roughness" in run.stderr and "/lamps" in run.stderr
+
+
 def test_every_fault_of_a_job_is_told_with_its_pointer():
     with House() as house:
         house.glint("put", house / "room.json")
