@@ -47,10 +47,7 @@ const struct glint_dial_row glint_dial_table[GLINT_DIAL_COUNT] = {
 
 const struct glint_preset glint_preset_table[] = {
     {"production",
-     {[GLINT_DIAL_MICROFACET] = 1,
-      [GLINT_DIAL_PRECISION] = 1,
-      [GLINT_DIAL_TRAVERSAL] = 1,
-      [GLINT_DIAL_ROULETTE] = 1}},
+     {[GLINT_DIAL_PRECISION] = 1, [GLINT_DIAL_TRAVERSAL] = 1, [GLINT_DIAL_ROULETTE] = 1}},
     {"reference", {0}},
     {NULL, {0}},
 };

@@ -64,6 +64,8 @@ static void reference_is_exact_and_production_is_the_default(void **state)
     assert_int_equal(p[GLINT_DIAL_ROULETTE], glint_dial_setting(GLINT_DIAL_ROULETTE, "throughput"));
     assert_int_equal(p[GLINT_DIAL_GI], glint_dial_setting(GLINT_DIAL_GI, "path"));
     assert_int_equal(p[GLINT_DIAL_LIGHTS], glint_dial_setting(GLINT_DIAL_LIGHTS, "spatial"));
+    assert_int_equal(p[GLINT_DIAL_MICROFACET],
+                     glint_dial_setting(GLINT_DIAL_MICROFACET, "multiple"));
 }
 
 int main(void)
