@@ -619,6 +619,53 @@ static void colours_become_linear_fractions_with_opacity(void **state)
     glint_scene_destroy(&s);
 }
 
+// --- the native form
+
+static void free_assets(struct glint_asset *asset, size_t assets)
+{
+    for (size_t i = 0; i < assets; i++)
+        free((void *)asset[i].bytes);
+    free(asset);
+}
+
+// All at once: the text that is written parses, and is written again as the same text.
+static void what_is_imported_survives_the_native_form(void **state)
+{
+    (void)state;
+    struct glint_scene *s = gltf_moving(
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':1,'TEXCOORD_0':2,"
+        "'TEXCOORD_1':2,'COLOR_0':15,'JOINTS_0':11,'WEIGHTS_0':12},'indices':3," TARGETS
+        "}],'weights':[0.1,0.2]}],'skins':[{'joints':[1,2],'inverseBindMatrices':10}],"
+        "'cameras':[{'type':'orthographic','orthographic':{'ymag':2}}],'scenes':[{'nodes':[0,1,3]}]"
+        ",'nodes':[{'mesh':0,'skin':0},{'children':[2],'scale':[0,1,1]},{'camera':0,'matrix':[1,0,"
+        "0,0,0,1,0,0,0,0,1,0,7,0,0,1]},{'mesh':0,'weights':[1,2],'extensions':{"
+        "'EXT_mesh_gpu_instancing':{'attributes':{'TRANSLATION':5,'ROTATION':9}}}}],"
+        "'animations':[{'channels':[{'sampler':0,'target':{'node':1,'path':'translation'}},"
+        "{'sampler':1,'target':{'node':2,'path':'rotation'}},{'sampler':2,'target':{'node':3,"
+        "'path':'scale'}},{'sampler':3,'target':{'node':3,'path':'weights'}}],'samplers':[{'input':"
+        "4,'output':5},{'input':4,'output':9,'interpolation':'STEP'},{'input':4,'output':7,"
+        "'interpolation':'CUBICSPLINE'},{'input':4,'output':8}]}]");
+    struct glint_asset *asset = NULL, *more = NULL;
+    struct glint_scene *again = NULL;
+    struct glint_error err = {0};
+    char *text, *second;
+    size_t assets = 0, others = 0, length, longer;
+    assert_int_equal(glint_scene_complete_file(s, NULL), GLINT_OK);
+    assert_int_equal(glint_scene_write(s, &text, &length, &asset, &assets, NULL), GLINT_OK);
+    if (glint_scene_parse(&again, text, length, asset, assets, &err))
+        fail_msg("%s: %s", err.count ? err.fault[0].pointer : "", glint_error_text(&err));
+    assert_int_equal(glint_scene_write(again, &second, &longer, &more, &others, NULL), GLINT_OK);
+    assert_string_equal(text, second);
+    assert_true(again->nodes == s->nodes && again->skins == 1 && again->animations == 1);
+    assert_true(again->mesh[0].targets == 2 && again->mesh[0].joint && again->mesh[0].color);
+    free(text);
+    free(second);
+    free_assets(asset, assets);
+    free_assets(more, others);
+    glint_scene_destroy(&again);
+    glint_scene_destroy(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -649,6 +696,7 @@ int main(void)
         cmocka_unit_test(copies_below_what_moves_keep_their_place_in_it),
         cmocka_unit_test(faults_of_copies_are_named),
         cmocka_unit_test(colours_become_linear_fractions_with_opacity),
+        cmocka_unit_test(what_is_imported_survives_the_native_form),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
