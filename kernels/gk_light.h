@@ -101,7 +101,7 @@ GK_INLINE struct gk_light_place gk_light_place_at(const GK_GLOBAL struct gk_ligh
 #ifdef GK_MOTION
     const GK_GLOBAL struct gk_light *to = light + k.to;
     const gk_i32 moves = k.to != k.from;
-    const gk_u32 kind = light->kind & 15u;
+    const gk_u32 kind = light->kind & GK_LIGHT_KIND;
     l.p = gk_along(l.p, gk_sub(gk_vec(to->p[0], to->p[1], to->p[2]), l.p), k.w);
     l.a = gk_along(l.a, gk_sub(gk_vec(to->a[0], to->a[1], to->a[2]), l.a), k.w);
     l.b = gk_along(l.b, gk_sub(gk_vec(to->b[0], to->b[1], to->b[2]), l.b), k.w);
@@ -146,7 +146,7 @@ GK_INLINE struct gk_light_sample gk_light_from_table(const GK_GLOBAL struct gk_l
     struct gk_light_sample s;
     const struct gk_light_place place = gk_light_place_at(light, keys);
     const struct gk_vec position = place.p, a = place.a, b = place.b;
-    const gk_u32 kind = light->kind & 15u;
+    const gk_u32 kind = light->kind & GK_LIGHT_KIND;
     s.L = gk_vec(light->L[0], light->L[1], light->L[2]);
     s.triangle = light->triangle;
     s.material = light->material;
@@ -156,8 +156,9 @@ GK_INLINE struct gk_light_sample gk_light_from_table(const GK_GLOBAL struct gk_l
     const gk_i32 upper = v > u;
     const gk_f32 s1 = upper ? u * 0.5f : u - v * 0.5f;
     const gk_f32 s2 = upper ? v - u * 0.5f : v * 0.5f;
-    s.u = s1;
-    s.v = s2;
+    const gk_i32 turned = (light->kind & GK_LIGHT_TURNED) != 0u;
+    s.u = turned ? s2 : s1;
+    s.v = turned ? s1 : s2;
     const struct gk_vec normal = gk_cross(a, b);
     const gk_f32 twice_area = gk_sqrt(gk_dot(normal, normal));
     const struct gk_vec n = gk_scale(normal, 1.0f / gk_max(twice_area, 1e-37f));

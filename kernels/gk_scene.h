@@ -138,6 +138,8 @@ GK_LAYOUT(gk_texture, 64);
 #define GK_LIGHT_POINT 1u // a spot is a point with a cone
 #define GK_LIGHT_SUN 2u
 #define GK_LIGHT_ENVIRONMENT 3u
+#define GK_LIGHT_KIND 7u
+#define GK_LIGHT_TURNED 8u // of a mirrored triangle: a goes to its third vertex, b to its second
 
 struct gk_light {
     gk_f32 p[3]; // triangle: first vertex; point: position; sun: direction towards it
@@ -145,7 +147,7 @@ struct gk_light {
     gk_f32
         b[3]; // triangle: edge to the third; spot: cos of the outer cone, 1/(cos in - cos out), -
     gk_f32 L[3];     // triangle: radiance before texture; point: W/sr; sun: W/m^2
-    gk_u32 kind;     // GK_LIGHT_* | two-sided << 4
+    gk_u32 kind;     // GK_LIGHT_* | GK_LIGHT_TURNED | two-sided << 4
     gk_u32 triangle; // record, GK_NONE for other kinds
     gk_u32 material; // of a triangle whose emission is textured, else GK_NONE
     gk_f32 choice;   // probability that the alias table chooses it

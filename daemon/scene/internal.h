@@ -151,9 +151,7 @@ static inline uint32_t glint_resident_keys(const struct glint_resident *r)
 // The kept triangles of a row's mesh.
 struct glint_kept *glint_row_kept(const struct glint_resident *r, const struct glint_row *row);
 
-// World position of a vertex relative to the centre, in double precision; at the first key.
-void glint_row_point(const struct glint_row *row, const float p[3], double out[3]);
-// Of vertex `vertex` of the row's mesh at a motion key.
+// World position of a vertex of the row's mesh at a motion key, relative to the centre.
 void glint_row_vertex(const struct glint_resident *r, const struct glint_row *row, uint32_t key,
                       uint32_t vertex, double out[3]);
 // Whether anything of it differs between motion keys.

@@ -60,9 +60,7 @@ static void triangle_light(const struct glint_resident *r, const struct glint_ro
     float p[3][3];
     for (int c = 0; c < 3; c++) {
         double world[3];
-        glint_row_point(
-            row, row->mesh->position + 3 * (size_t)k->index[3 * index + (flip && c ? 3 - c : c)],
-            world);
+        glint_row_vertex(r, row, 0, k->index[3 * index + (flip && c ? 3 - c : c)], world);
         for (int a = 0; a < 3; a++)
             p[c][a] = (float)world[a];
     }
@@ -74,7 +72,7 @@ static void triangle_light(const struct glint_resident *r, const struct glint_ro
         l->L[a] = m->emission[a];
     }
     const bool two_sided = m->flags & GK_MATERIAL_TWO_SIDED_EMISSION;
-    l->kind = GK_LIGHT_TRIANGLE | (two_sided ? 1u << 4 : 0u);
+    l->kind = GK_LIGHT_TRIANGLE | (flip ? GK_LIGHT_TURNED : 0u) | (two_sided ? 1u << 4 : 0u);
     l->triangle = row->triangle + index;
     l->material = m->emission_texture != GK_NONE ? row->material : GK_NONE;
 }

@@ -4,13 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void glint_row_point(const struct glint_row *row, const float p[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = (double)row->transform[i] * p[0] + (double)row->transform[4 + i] * p[1] +
-                 (double)row->transform[8 + i] * p[2] + (double)row->transform[12 + i];
-}
-
 void glint_row_vertex(const struct glint_resident *r, const struct glint_row *row, uint32_t key,
                       uint32_t vertex, double out[3])
 {
