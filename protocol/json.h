@@ -29,7 +29,7 @@ extern const struct glint_json_limits glint_json_request;
 
 // Reads a whole text; *out is freed by cJSON_Delete().
 //   GLINT_E_SYNTAX     not JSON; says line and column
-//   GLINT_E_RANGE      a key appears twice; at its pointer
+//   GLINT_E_RANGE      a key appears twice; at its pointer. U+0000 in a string; says where
 //   GLINT_E_TOO_LARGE  a limit
 glint_status glint_json_parse(cJSON **out, const char *text, size_t length,
                               const struct glint_json_limits *limits, struct glint_error *err);

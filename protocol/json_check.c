@@ -107,7 +107,7 @@ static bool scan_unicode(struct scan *s)
     if (!hex4(s, &high))
         return false;
     if (high == 0)
-        return syntax(s, "U+0000 has no place in a string here");
+        return refuse(s, GLINT_E_RANGE, "U+0000 has no place in a string here");
     if (high < 0xd800 || high > 0xdfff)
         return true;
     if (high > 0xdbff || !accept(s, '\\') || !accept(s, 'u'))

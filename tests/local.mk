@@ -167,6 +167,8 @@ SCRIPT_TESTS = \
 	tests/clients/cli_usage.py \
 	tests/clients/demo_scene.py \
 	tests/http/test_daemon.py \
+	tests/http/test_formats.py \
+	tests/http/test_hostile.py \
 	tests/http/test_jobs.py \
 	tests/http/test_requests.py \
 	tests/http/test_scenes.py \

@@ -112,11 +112,18 @@ bool glint_gltf_accessor_read(struct glint_gltf *g, uint32_t index, struct glint
     struct glint_gltf_accessor a = {.number = index, .view = GLINT_NONE};
     if (!read_shape(&at, &a))
         return false;
-    const bool has_view = glint_json_member(&at, "bufferView").value != NULL;
+    bool has_view = glint_json_member(&at, "bufferView").value != NULL;
     a.view = glint_gltf_index(g, &at, "bufferView", GLTF_VIEWS);
     a.stride = a.element;
     if (has_view && a.view == GLINT_NONE)
         return false;
+    if (has_view && !g->view[a.view].data.bytes && !g->err->status) {
+        // its buffer has no data, which is allowed: as if there were no view
+        glint_gltf_note(g, "no data", "buffer view %u has no data; accessor %u reads as zeros",
+                        a.view, index);
+        a.view = GLINT_NONE;
+        has_view = false;
+    }
     if (has_view && g->view[a.view].stride)
         a.stride = g->view[a.view].stride;
     if (a.stride < a.element)

@@ -29,6 +29,17 @@ void glint_gltf_check_files(struct glint_gltf *g)
     check_files(g, GLTF_IMAGES);
 }
 
+// Whose data an extension unpacks; nothing here does.
+static void check_compressed(const struct glint_json *buffer)
+{
+    static const char *const names[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
+    struct glint_json hold[2];
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (glint_gltf_extension(buffer, names[i], hold))
+            glint_json_fault(
+                &hold[1], "the buffer has no data but what %s packs, which is not read", names[i]);
+}
+
 // The binary chunk of a GLB is buffer 0 where that has no URI; it may be padded to a multiple of 4.
 // A buffer may have no data at all, for an extension to fill: a fault only for who reads from it.
 static struct glint_gltf_span find_buffer(struct glint_gltf *g, uint32_t i,
@@ -37,8 +48,11 @@ static struct glint_gltf_span find_buffer(struct glint_gltf *g, uint32_t i,
     const struct glint_json uri = glint_json_member(at, "uri");
     struct glint_gltf_span data = {0};
     if (!uri.value) {
-        if (i == 0)
+        if (i == 0 && g->bin.bytes)
             return g->bin;
+        if (i == 0 && g->glb)
+            glint_json_fault(at, "the GLB has no BIN chunk");
+        check_compressed(at);
     } else if (!cJSON_IsString(uri.value)) {
         glint_json_fault(&uri, "a string is expected");
     } else if (!glint_data_uri_is(uri.value->valuestring)) {

@@ -24,7 +24,7 @@ static glint_status check_header(struct glint_gltf *g, const uint8_t *bytes, siz
     if (u32(bytes + 4) != 2)
         return glint_fail(g->err, GLINT_E_SYNTAX, "", "the GLB version is %u, not 2",
                           u32(bytes + 4));
-    if (u32(bytes + 8) != size)
+    if (u32(bytes + 8) < 12 || u32(bytes + 8) > size)
         return glint_fail(g->err, GLINT_E_SYNTAX, "",
                           "the GLB header says %u bytes, the file has %zu", u32(bytes + 8), size);
     return GLINT_OK;
@@ -55,6 +55,11 @@ static glint_status read_chunk(struct glint_gltf *g, const uint8_t *bytes, size_
 static glint_status split_glb(struct glint_gltf *g, const uint8_t *bytes, size_t size)
 {
     glint_status st = check_header(g, bytes, size);
+    if (st)
+        return st;
+    g->glb = true;
+    g->trailing = size - u32(bytes + 8);
+    size -= g->trailing;
     size_t at = 12;
     for (unsigned i = 0; !st && (at < size || i == 0); i++) {
         struct glint_gltf_span data = {0};

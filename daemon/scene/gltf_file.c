@@ -100,8 +100,12 @@ static void check_version(struct glint_gltf *g)
     if (strncmp(text, "2.", 2) != 0)
         glint_json_fault(&version, "\"%.20s\": only glTF 2 is read", text);
     text = NULL;
-    if (glint_json_string(&minimum, &g->scratch, &text) && text && strcmp(text, "2.0") != 0)
-        glint_json_fault(&minimum, "\"%.20s\": only glTF 2.0 is read", text);
+    if (!glint_json_string(&minimum, &g->scratch, &text) || !text)
+        return;
+    if (strncmp(text, "2.", 2) != 0)
+        glint_json_fault(&minimum, "\"%.20s\": only glTF 2 is read", text);
+    else if (strcmp(text, "2.0") != 0)
+        g->newer = text;
 }
 
 // What a file may insist on.

@@ -105,6 +105,9 @@ struct glint_gltf {
     struct glint_scene *scene;        // being built
     struct glint_arena scratch;       // lives as long as this
     struct glint_gltf_span json, bin; // of the file; bin.bytes is NULL where there is none
+    bool glb;                         // not JSON alone
+    size_t trailing;                  // bytes after a GLB
+    const char *newer;                // version that the file asks for at least, if that is not 2.0
     cJSON *tree;
     struct glint_json root;
     struct glint_gltf_list list[GLTF_KINDS];

@@ -48,6 +48,11 @@ void glint_gltf_note_the_rest(struct glint_gltf *g)
     // lights are read elsewhere; who made the file does not show
     static const char *const known[] = {"KHR_lights_punctual", "KHR_xmp", "KHR_xmp_json_ld", NULL};
     glint_gltf_ignored(g, &g->root, "file", "glTF", known);
+    if (g->newer)
+        glint_gltf_note(g, "version", "the file asks for glTF %.20s; it is read as 2.0", g->newer);
+    if (g->trailing)
+        glint_gltf_note(g, "trailing bytes", "%zu bytes after the end of the GLB are ignored",
+                        g->trailing);
 }
 
 void glint_gltf_notes_end(struct glint_gltf *g)

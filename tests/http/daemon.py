@@ -292,6 +292,15 @@ def glb(scene, blob=b""):
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
+def form(files):
+    """{name: bytes} as the body of multipart/form-data, and its Content-Type."""
+    boundary = "glint-test-4f9d"
+    body = b"".join(
+        f'--{boundary}\r\nContent-Disposition: form-data; name="file"; filename="{name}"\r\n\r\n'
+        .encode() + content + b"\r\n" for name, content in files.items())
+    return body + f"--{boundary}--\r\n".encode(), f"multipart/form-data; boundary={boundary}"
+
+
 def triangle_glb():
     """One lit triangle and a camera."""
     positions = struct.pack("<9f", -1, -1, 0, 1, -1, 0, 0, 1, 0)

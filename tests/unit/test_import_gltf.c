@@ -230,7 +230,7 @@ static void broken_containers_are_named(void **state)
         uint8_t value;
         const char *word;
     } bad[] = {
-        {0, 'x', "does not start with"}, {4, 3, "version is 3"}, {8, 0xff, "header says"},
+        {0, 'x', "does not start with"}, {4, 3, "version is 3"}, {9, 0xff, "header says"},
         {15, 0xff, "bytes are left"},    {16, 'B', "not JSON"},  {12, 1, "chunk"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -306,8 +306,6 @@ static void accessors_are_bounded_by_their_views(void **state)
         {"'bufferView':0,'componentType':5126,'count':4,'type':'VEC5'", "/accessors/0/type",
          "VEC5"},
         {"'componentType':5126,'count':2000000000,'type':'VEC3'", "/accessors/0", "no data"},
-        {"'bufferView':1,'componentType':5126,'count':1,'type':'VEC3'", "/accessors/0",
-         "view 1 has no data"},
         {"'bufferView':9,'componentType':5126,'count':4,'type':'VEC3'", "/accessors/0/bufferView",
          "9"},
         {"'componentType':5126,'count':4,'type':'VEC3','sparse':{'count':5,'indices':{},'values':{}"
