@@ -127,10 +127,12 @@ struct glint_mesh {
     const float *target_weight;   // [targets] at rest, or NULL: 0
     const uint32_t *index;        // [triangles][3], each < vertices
     char asset[65];               // "" when inline or a primitive
-    // Found by the parser, 0 where a scene is built otherwise.
-    float reach;        // largest |coordinate| of a position
-    float target_reach; // largest |coordinate| by which a target moves a vertex
-    uint32_t joint_end; // 1 + the largest index of a joint
+    // Found by the parser, which sets `checked`; 0 where a scene is built otherwise.
+    bool checked;
+    float low[3], high[3]; // the box of the positions
+    float reach;           // largest |coordinate| of a position
+    float target_reach;    // largest |coordinate| by which a target moves a vertex
+    uint32_t joint_end;    // 1 + the largest index of a joint
 };
 
 // What an object matte selects.

@@ -138,7 +138,7 @@ static bool read_asset(struct glint_scene_reader *r, const struct glint_json *at
         return false;
     c->time = numbers;
     c->value = numbers + c->keys;
-    return true;
+    return glint_scene_charge(r, &asset, bytes);
 }
 
 static bool read_list(struct glint_scene_reader *r, const struct glint_json *at, size_t count,

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#define NEAREST_FOCUS 1e-9 // metres, within what a camera may have
+
 struct box {
     double low[3], high[3];
     bool any;
@@ -16,17 +18,6 @@ static void include(struct box *b, const double p[3])
         b->high[k] = b->any ? fmax(b->high[k], p[k]) : p[k];
     }
     b->any = true;
-}
-
-static void mesh_box(const struct glint_mesh *m, float low[3], float high[3])
-{
-    memcpy(low, m->position, 3 * sizeof *low);
-    memcpy(high, m->position, 3 * sizeof *high);
-    for (size_t i = 1; i < m->vertices; i++)
-        for (int k = 0; k < 3; k++) {
-            low[k] = fminf(low[k], m->position[3 * i + k]);
-            high[k] = fmaxf(high[k], m->position[3 * i + k]);
-        }
 }
 
 static void include_corners(struct box *b, const float bounds[6], const double m[16])
@@ -69,6 +60,16 @@ static void include_instance(struct box *b, const struct glint_scene *s, double 
     include_corners(b, bounds, world);
 }
 
+static void mesh_bounds(const struct glint_mesh *m, float bounds[6])
+{
+    if (m->checked) {
+        memcpy(bounds, m->low, sizeof m->low);
+        memcpy(bounds + 3, m->high, sizeof m->high);
+    } else {
+        glint_mesh_box(m, bounds, bounds + 3);
+    }
+}
+
 static bool scene_box(const struct glint_scene *s, struct box *b, struct glint_arena *scratch)
 {
     float(*bounds)[6] = glint_arena_array(scratch, s->meshes, sizeof *bounds);
@@ -76,7 +77,7 @@ static bool scene_box(const struct glint_scene *s, struct box *b, struct glint_a
     if (!bounds || !node)
         return false;
     for (uint32_t i = 0; i < s->meshes; i++)
-        mesh_box(&s->mesh[i], bounds[i], bounds[i] + 3);
+        mesh_bounds(&s->mesh[i], bounds[i]);
     for (uint32_t i = 0; i < s->instances; i++)
         if (s->instance[i].visible)
             include_instance(b, s, node, bounds[s->instance[i].mesh], &s->instance[i]);
@@ -105,7 +106,7 @@ static void frame_box(struct glint_camera *c, const struct box *b)
             c->transform[4 * i + k] = (float)axis[i][k];
         c->transform[12 + k] = (float)(middle[k] + distance * back[k]);
     }
-    c->focus_distance = (float)distance;
+    c->focus_distance = (float)fmax(distance, NEAREST_FOCUS);
 }
 
 static bool add_camera(struct glint_scene *s)

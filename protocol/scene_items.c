@@ -37,7 +37,8 @@ void glint_image_read(struct glint_scene_reader *r, const struct glint_json *at,
     const uint64_t pixels = (uint64_t)out->width * out->height;
     out->pixels = glint_scene_asset(r, &asset, pixels * (out->format == GLINT_IMAGE_RGBA8 ? 4 : 8),
                                     out->asset);
-    if (out->pixels && out->format == GLINT_IMAGE_RGBA16F && !glint_trust_image(r, out))
+    if (out->pixels && out->format == GLINT_IMAGE_RGBA16F && !glint_trust_image(r, out) &&
+        glint_scene_charge(r, &asset, pixels * 8))
         radiance_halves(&asset, out->pixels, pixels * 4);
 }
 

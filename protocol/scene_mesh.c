@@ -118,6 +118,14 @@ static bool read_primitive(struct glint_scene_reader *r, const struct glint_json
     return glint_primitive_make(&p, &r->scene->arena, m) || glint_scene_no_memory(r);
 }
 
+static bool check_asset(struct glint_scene_reader *r, const struct glint_json *asset,
+                        struct glint_mesh *m)
+{
+    const uint64_t bytes = glint_mesh_layout(m, glint_mesh_attributes(m)).bytes;
+    return glint_scene_charge(r, asset, bytes) && glint_mesh_check(r, asset, m) &&
+           glint_trust_own_mesh(r, m);
+}
+
 static bool read_kind(struct glint_scene_reader *r, const struct glint_json *at,
                       struct glint_mesh *out)
 {
@@ -126,8 +134,7 @@ static bool read_kind(struct glint_scene_reader *r, const struct glint_json *at,
     if (primitive.value)
         return read_primitive(r, at, out) && glint_mesh_check(r, at, out);
     if (asset.value)
-        return read_asset(r, at, out) &&
-               (glint_trust_mesh(r, out) || glint_mesh_check(r, &asset, out));
+        return read_asset(r, at, out) && (glint_trust_mesh(r, out) || check_asset(r, &asset, out));
     return glint_mesh_read_inline(r, at, out) && glint_mesh_check(r, at, out);
 }
 

@@ -230,6 +230,18 @@ static bool targets_fit(const struct glint_json *at, struct glint_mesh *m)
     return fine;
 }
 
+void glint_mesh_box(const struct glint_mesh *m, float low[3], float high[3])
+{
+    const float *p = m->position;
+    memcpy(low, p, 3 * sizeof *low);
+    memcpy(high, p, 3 * sizeof *high);
+    for (size_t i = 0; i < (size_t)m->vertices * 3; i += 3)
+        for (int k = 0; k < 3; k++) {
+            low[k] = p[i + k] < low[k] ? p[i + k] : low[k];
+            high[k] = p[i + k] > high[k] ? p[i + k] : high[k];
+        }
+}
+
 bool glint_mesh_check(struct glint_scene_reader *r, const struct glint_json *at,
                       struct glint_mesh *mesh)
 {
@@ -244,6 +256,9 @@ bool glint_mesh_check(struct glint_scene_reader *r, const struct glint_json *at,
     fine &= bounded(at, "weight", m->weight, 4, m->vertices, &unused) && joints_fit(r, at, m);
     fine &= targets_fit(at, m);
     fine &= indices_fit(at, m);
+    if (fine)
+        glint_mesh_box(m, m->low, m->high);
+    m->checked = true;
     if (!fine || !m->normal || all_unit(m->normal, m->vertices))
         return fine;
     return normalise(r, m);

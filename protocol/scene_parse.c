@@ -12,6 +12,10 @@
 static const struct glint_json_limits limits = {
     .bytes = (size_t)1 << 30, .depth = 16, .values = (size_t)1 << 23};
 
+// How often assets may be walked, and bytes that nobody counts.
+#define MOST_TIMES 4
+#define FREE_BYTES (1ull << 30)
+
 bool glint_scene_no_memory(struct glint_scene_reader *r)
 {
     glint_fail(r->err, GLINT_E_NOMEM, "", "no memory for the scene");
@@ -24,9 +28,12 @@ static bool index_assets(struct glint_scene_reader *r, const struct glint_asset 
                          size_t assets)
 {
     r->asset = asset;
+    r->budget = FREE_BYTES;
     for (size_t i = 0; i < assets; i++)
         if (!glint_hashes_add(&r->assets, asset[i].sha256, (uint32_t)i))
             return glint_scene_no_memory(r);
+    for (size_t i = 0; i < assets; i++)
+        r->budget += MOST_TIMES * (uint64_t)asset[i].size;
     return true;
 }
 
@@ -73,6 +80,17 @@ const void *glint_scene_asset(struct glint_scene_reader *r, const struct glint_j
     }
     memcpy(hash, text, 65);
     return aligned(r, asset);
+}
+
+bool glint_scene_charge(struct glint_scene_reader *r, const struct glint_json *at, uint64_t bytes)
+{
+    if (bytes > r->budget)
+        return glint_json_fault(at,
+                                "the same assets are named so often that they would have to be "
+                                "checked more than %d times over",
+                                MOST_TIMES);
+    r->budget -= bytes;
+    return true;
 }
 
 // ---- references and collections

@@ -54,11 +54,13 @@ void glint_hashes_finish(struct glint_hashes *h);
 
 // ---- the reader
 
-// An earlier scene whose meshes and images are known to be good.
+// An earlier scene whose meshes and images are known to be good, and the meshes of this one that
+// are by now.
 struct glint_scene_trust {
     const struct glint_scene *scene;    // NULL: nothing is
     struct glint_hashes meshes, images; // made when first asked
     uint32_t next_mesh, next_image;     // an edited text names most in the same order
+    struct glint_hashes own_meshes;
 };
 
 struct glint_scene_reader {
@@ -67,6 +69,7 @@ struct glint_scene_reader {
     struct glint_arena scratch; // ids, gone after the parse
     const struct glint_asset *asset;
     struct glint_hashes assets;
+    uint64_t budget; // bytes of assets that may be walked yet
     struct glint_ids images, materials, meshes, objects, nodes, skins;
     struct glint_scene_trust trust;
     uint64_t primitive_vertices; // made so far
@@ -86,6 +89,10 @@ uint32_t glint_scene_reference(const struct glint_json *at, const struct glint_i
 // aligned to 4 bytes. hash[65] receives the name.
 const void *glint_scene_asset(struct glint_scene_reader *r, const struct glint_json *at,
                               uint64_t bytes, char *hash);
+
+// To be asked before the bytes of an asset are walked: some text must not cost hours by naming one
+// large asset again and again. False with a fault.
+bool glint_scene_charge(struct glint_scene_reader *r, const struct glint_json *at, uint64_t bytes);
 
 // Each reads one item; faults go to the reader's error.
 void glint_image_read(struct glint_scene_reader *r, const struct glint_json *at,
@@ -197,6 +204,8 @@ bool glint_mesh_read_inline(struct glint_scene_reader *r, const struct glint_jso
 bool glint_mesh_read_weights(struct glint_scene_reader *r, const struct glint_json *at,
                              const char *key, uint32_t targets, const float **out);
 
+// The box of the positions, of which there are some.
+void glint_mesh_box(const struct glint_mesh *m, float low[3], float high[3]);
 // Checks a mesh whose arrays are in place and finds what the parser finds of it. In copies: normals
 // and weights are made unit, colours are cut at 1.
 bool glint_mesh_check(struct glint_scene_reader *r, const struct glint_json *at,
@@ -207,6 +216,8 @@ bool glint_mesh_check(struct glint_scene_reader *r, const struct glint_json *at,
 // Takes what an earlier check found of the same mesh. False: it must be checked. After a lack of
 // memory: true, with the fault.
 bool glint_trust_mesh(struct glint_scene_reader *r, struct glint_mesh *mesh);
+// The mesh, which is the next of the scene, has been checked. False without memory.
+bool glint_trust_own_mesh(struct glint_scene_reader *r, const struct glint_mesh *mesh);
 bool glint_trust_image(struct glint_scene_reader *r, const struct glint_image *image);
 void glint_trust_finish(struct glint_scene_trust *trust);
 

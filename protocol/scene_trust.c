@@ -8,8 +8,18 @@
 static bool same_mesh(const struct glint_mesh *a, const struct glint_mesh *b)
 {
     return strcmp(a->asset, b->asset) == 0 && a->vertices == b->vertices &&
-           a->triangles == b->triangles && a->targets == b->targets &&
+           a->triangles == b->triangles && a->targets == b->targets && b->checked &&
            glint_mesh_attributes(a) == glint_mesh_attributes(b);
+}
+
+static void take_findings(struct glint_mesh *m, const struct glint_mesh *from)
+{
+    m->checked = true;
+    memcpy(m->low, from->low, sizeof m->low);
+    memcpy(m->high, from->high, sizeof m->high);
+    m->reach = from->reach;
+    m->target_reach = from->target_reach;
+    m->joint_end = from->joint_end;
 }
 
 static bool index_meshes(struct glint_scene_trust *t)
@@ -41,6 +51,26 @@ static const struct glint_mesh *find_mesh(struct glint_scene_reader *r, const st
     return &t->scene->mesh[at];
 }
 
+// One of this scene itself, whose arrays are in reach: they serve both.
+static bool share_own(struct glint_scene_reader *r, struct glint_mesh *m)
+{
+    const uint32_t at = glint_hashes_find(&r->trust.own_meshes, m->asset);
+    const struct glint_mesh *first = m - r->scene->meshes; // those read so far stand before it
+    const struct glint_mesh *from = at == GLINT_NONE ? NULL : first + at;
+    if (!from || !same_mesh(m, from))
+        return false;
+    for (size_t i = 0; i < GLINT_MESH_ARRAYS; i++)
+        glint_mesh_set_array(m, i, glint_mesh_array(from, i));
+    take_findings(m, from);
+    return true;
+}
+
+bool glint_trust_own_mesh(struct glint_scene_reader *r, const struct glint_mesh *mesh)
+{
+    return glint_hashes_add(&r->trust.own_meshes, mesh->asset, r->scene->meshes) ||
+           glint_scene_no_memory(r);
+}
+
 // Arrays that the check had to replace are copied; the rest are in the asset.
 static bool copy_replaced(struct glint_scene_reader *r, struct glint_mesh *m,
                           const struct glint_mesh *from)
@@ -61,12 +91,12 @@ static bool copy_replaced(struct glint_scene_reader *r, struct glint_mesh *m,
 
 bool glint_trust_mesh(struct glint_scene_reader *r, struct glint_mesh *mesh)
 {
+    if (share_own(r, mesh))
+        return true;
     const struct glint_mesh *from = find_mesh(r, mesh);
     if (!from)
         return false;
-    mesh->reach = from->reach;
-    mesh->target_reach = from->target_reach;
-    mesh->joint_end = from->joint_end;
+    take_findings(mesh, from);
     copy_replaced(r, mesh, from);
     return true;
 }
@@ -110,4 +140,5 @@ void glint_trust_finish(struct glint_scene_trust *trust)
 {
     glint_hashes_finish(&trust->meshes);
     glint_hashes_finish(&trust->images);
+    glint_hashes_finish(&trust->own_meshes);
 }

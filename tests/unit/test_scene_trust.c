@@ -161,6 +161,58 @@ static void meshes_are_found_wherever_they_stand(void **state)
     free(quoted);
 }
 
+// Naming one asset again and again costs neither its bytes nor its time.
+static void an_asset_named_by_many_is_checked_once(void **state)
+{
+    (void)state;
+    const struct glint_mesh shape = {.vertices = 450000, .triangles = 900000};
+    const struct glint_mesh_layout at = glint_mesh_layout(&shape, GLINT_MESH_NORMAL);
+    uint8_t *bytes = calloc(1, at.bytes);
+    const struct glint_asset asset = name_asset(bytes, at.bytes);
+    struct glint_text t = {0};
+    glint_text_add(&t, "{\"meshes\":{");
+    for (int i = 0; i < 2000; i++)
+        glint_text_print(&t,
+                         "%s\"m%d\":{\"asset\":\"%s\",\"vertices\":450000,\"triangles\":900000,"
+                         "\"attributes\":[\"normal\"]}",
+                         i ? "," : "", i, asset.sha256);
+    glint_text_add(&t, "}}");
+    size_t length;
+    char *text = glint_text_take(&t, &length);
+    const double from = now_ms();
+    struct glint_scene *s = reparse(text, length, &asset, 1, NULL);
+    assert_true(now_ms() - from < 2000);
+    assert_ptr_equal(s->mesh[1999].normal, s->mesh[0].normal);
+    assert_true(s->arena.bytes < (64u << 20));
+    glint_scene_destroy(&s);
+    free(text);
+    free(bytes);
+}
+
+static void assets_cannot_be_named_without_bound_in_other_shapes(void **state)
+{
+    (void)state;
+    const uint32_t thirds = 3000000; // of 12 bytes: vertices and triangles share them out
+    uint8_t *bytes = calloc(thirds, 12);
+    const struct glint_asset asset = name_asset(bytes, 12ull * thirds);
+    struct glint_text t = {0};
+    glint_text_add(&t, "{\"meshes\":{");
+    for (uint32_t i = 0; i < 100; i++)
+        glint_text_print(&t, "%s\"m%u\":{\"asset\":\"%s\",\"vertices\":%u,\"triangles\":%u}",
+                         i ? "," : "", i, asset.sha256, 1000 + i, thirds - 1000 - i);
+    glint_text_add(&t, "}}");
+    size_t length;
+    char *text = glint_text_take(&t, &length);
+    struct glint_error err = {0};
+    struct glint_scene *s;
+    assert_int_equal(glint_scene_parse(&s, text, length, &asset, 1, &err), GLINT_E_RANGE);
+    // (2^30 + 4 * 36e6) / 36e6 fit.
+    assert_string_equal(err.fault[0].pointer, "/meshes/m33/asset");
+    glint_error_finish(&err);
+    free(text);
+    free(bytes);
+}
+
 // ---- size
 
 // A grid of 1000 x 500 quads. Loose bound: only something quadratic could exceed it.
@@ -267,6 +319,8 @@ int main(void)
         cmocka_unit_test(what_was_checked_is_not_walked_again),
         cmocka_unit_test(a_checked_image_is_not_walked_again),
         cmocka_unit_test(meshes_are_found_wherever_they_stand),
+        cmocka_unit_test(an_asset_named_by_many_is_checked_once),
+        cmocka_unit_test(assets_cannot_be_named_without_bound_in_other_shapes),
         cmocka_unit_test(a_million_triangles_in_an_asset_parse_without_being_copied),
         cmocka_unit_test(a_large_scene_is_parsed_again_in_a_moment),
         cmocka_unit_test(many_meshes_are_written_and_read_in_linear_time),

@@ -36,6 +36,8 @@ static void assert_same_mesh(const struct glint_mesh *a, const struct glint_mesh
     assert_same_array(a->index, b->index, 12ull * a->triangles);
     SAME(a, b, targets);
     SAME(a, b, reach);
+    SAME(a, b, low);
+    SAME(a, b, high);
     SAME(a, b, target_reach);
     SAME(a, b, joint_end);
     const uint64_t displacements = 12ull * a->vertices * a->targets;
