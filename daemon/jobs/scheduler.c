@@ -13,7 +13,8 @@
 
 #define COMMAND_ROOM 256 // in the inbox, beside one answer for each order that can be out
 #define GIB (1024.0 * 1024 * 1024)
-#define FIRST_SLICE 0.02   // seconds, the guess until a slice was measured
+#define FIRST_SLICE 0.02 // seconds, the guess until a slice was measured
+#define FRESH_SLICES 8
 #define PIXEL_SECONDS 0.01 // between calls of `changed` for new pixels: slices may be shorter
 
 struct glint_scheduler {
@@ -161,6 +162,7 @@ static void change_view(glint_scheduler *s, struct glint_entry *e)
     glint_state_moved(s->table, e, &e->next_revision);
     glint_crew_dispose(s->crew, &e->next_view, &e->next_revision);
     glint_turn_join(s->live, s->lives, e);
+    e->fresh = FRESH_SLICES;
     s->news = true;
 }
 
@@ -402,7 +404,9 @@ static void moved(glint_scheduler *s, struct glint_message *m)
         m->view = NULL;
         m->revision = NULL;
         recall(s);
-        if (!e->out)
+        if (e->out)
+            glint_render_interrupt(e->render);
+        else
             change_view(s, e);
     }
     glint_crew_dispose(s->crew, &m->view, &m->revision);
@@ -418,7 +422,9 @@ static void returned(glint_scheduler *s, struct glint_message *m)
     glint_state_slice(s->table, e, m->seconds);
     glint_turn_charge(e, m->seconds);
     s->pixels = true;
-    if (m->status)
+    s->news |= e->fresh > 0; // somebody waits for it
+    e->fresh -= e->fresh > 0;
+    if (m->status && m->status != GLINT_E_BUSY)
         fail(s, e, &m->error);
     if (e->end != GLINT_JOB_QUEUED && !e->out && !glint_state_ended(e->state))
         settle(s, e);

@@ -17,7 +17,7 @@
 // 2^tiles_log2 film tiles a side.
 struct glint_pass_state {
     uint32_t sample, samples, tiles_log2;
-    uint32_t blocks_wide, blocks; // of the whole film
+    uint32_t blocks_wide, blocks_high, blocks; // of the whole film
     uint32_t next;                // block not given out yet
     uint32_t done;                // blocks given back
     uint32_t *redo;               // [blocks of the finest pass]: returned without being run
@@ -49,6 +49,7 @@ struct glint_render {
     glint_film *film;
     glint_wave **wave;           // [workers], each made and used by its worker alone
     _Atomic(double) *tile_error; // [film tiles], sums over the pixels of v/(m^2+0.01)
+    atomic_bool interrupted;     // slices out are to be given up
     // Replaced under the mutex by whoever hands out slices, while none is out: it and the workers
     // that hold slices read it without.
     struct glint_view *view;

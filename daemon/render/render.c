@@ -25,16 +25,26 @@ static glint_status copy_job(struct glint_render *r, const struct glint_job *job
     return GLINT_OK;
 }
 
+// A wave holds 64x64 pixels once, 32x32 four times, 16x16 sixteen times. A live job's first sample
+// comes in quarters of that, so that several workers make the first tile that is seen.
+static uint32_t block_size(const struct glint_render *r, uint32_t samples)
+{
+    if (samples == 1)
+        return r->job.live ? 1 : 2;
+    return samples <= 4 ? 1 : 0;
+}
+
 static void pass_begin(struct glint_render *r, uint32_t sample)
 {
     struct glint_pass_state *p = &r->pass;
     const uint32_t wanted = sample == 0 ? 1 : sample < 4 ? 4 - sample : 16 - sample % 16;
     p->sample = sample;
     p->samples = sample + wanted > r->target ? r->target - sample : wanted;
-    p->tiles_log2 = p->samples == 1 ? 2 : p->samples <= 4 ? 1 : 0;
+    p->tiles_log2 = block_size(r, p->samples);
     const uint32_t side = 1u << p->tiles_log2;
     p->blocks_wide = (glint_film_columns(r->film) + side - 1) / side;
-    p->blocks = p->blocks_wide * ((glint_film_rows(r->film) + side - 1) / side);
+    p->blocks_high = (glint_film_rows(r->film) + side - 1) / side;
+    p->blocks = p->blocks_wide * p->blocks_high;
     p->next = p->done = p->redos = 0;
 }
 
@@ -108,12 +118,19 @@ static void forget(struct glint_render *r)
     r->points = 0;
 }
 
+void glint_render_interrupt(glint_render *r)
+{
+    // Relaxed: a hint; nothing depends on when it is seen.
+    atomic_store_explicit(&r->interrupted, true, memory_order_relaxed);
+}
+
 void glint_render_restart(glint_render *r, glint_view **view)
 {
     pthread_mutex_lock(&r->mutex);
     struct glint_view *old = r->view;
     r->view = *view;
     r->view->epoch = glint_film_restart(r->film);
+    atomic_store_explicit(&r->interrupted, false, memory_order_relaxed);
     forget(r);
     pass_begin(r, 0);
     pthread_mutex_unlock(&r->mutex);
@@ -138,11 +155,15 @@ void glint_render_destroy(glint_render **render)
     free(r);
 }
 
+// Blocks go two by two: down, then to the right.
 static void block_place(const struct glint_render *r, uint32_t block, uint32_t *column,
                         uint32_t *row)
 {
-    *column = (block % r->pass.blocks_wide) << r->pass.tiles_log2;
-    *row = (block / r->pass.blocks_wide) << r->pass.tiles_log2;
+    const struct glint_pass_state *p = &r->pass;
+    const uint32_t first = block / (2 * p->blocks_wide) * 2; // of a pair of rows
+    const uint32_t high = first + 1 < p->blocks_high ? 2 : 1, i = block - first * p->blocks_wide;
+    *column = i / high << p->tiles_log2;
+    *row = (first + i % high) << p->tiles_log2;
 }
 
 static uint32_t clipped(uint32_t start, uint32_t size, uint32_t end)
@@ -162,6 +183,7 @@ static void slice_fill(const struct glint_render *r, uint32_t block, struct glin
     out->h = clipped(out->y, side, region[1] + region[3]);
     out->sample = r->pass.sample;
     out->samples = r->pass.samples;
+    out->tiles_log2 = r->pass.tiles_log2;
 }
 
 bool glint_render_take(glint_render *r, struct glint_slice *out)
@@ -225,9 +247,7 @@ glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
                                            region[1] + region[3],
                                            (s->x - region[0]) / GK_TILE_SIDE,
                                            (s->y - region[1]) / GK_TILE_SIDE,
-                                           s->samples == 1   ? 2
-                                           : s->samples <= 4 ? 1
-                                                             : 0,
+                                           s->tiles_log2,
                                            s->sample,
                                            s->samples};
     const struct glint_wave_stats before = *glint_wave_stats(*wave);

@@ -26,6 +26,7 @@ struct glint_slice {
     uint32_t block;           // index of the block in its pass
     uint32_t x, y, w, h;      // pixels in the display window, clipped to the region
     uint32_t sample, samples; // first sample index and their number
+    uint32_t tiles_log2;      // the block is 2^n film tiles wide and high
 };
 
 // Bytes of film that the job will hold, known before anything is spent. Its camera, if named, is in
@@ -51,6 +52,9 @@ glint_status glint_render_move(glint_view **out, glint_render *render, struct gl
                                struct glint_error *err);
 void glint_view_release(glint_view **view);
 
+// Has the slices out given up between two bounces: something else is to be shown.
+void glint_render_interrupt(glint_render *render);
+
 // Shows *view from now on, from the first sample on. No slice may be out. *view is then the old
 // one, the caller's to release: that may free a scene, which takes a while.
 void glint_render_restart(glint_render *render, glint_view **view);
@@ -60,7 +64,8 @@ void glint_render_restart(glint_render *render, glint_view **view);
 // until the last slice of a pass has been given back.
 bool glint_render_take(glint_render *render, struct glint_slice *out);
 
-// Runs a taken slice on the calling worker's device; pixels become visible when it returns.
+// Runs a taken slice on the calling worker's device; pixels become visible when it is given back.
+//   GLINT_E_BUSY  interrupted: it was not done; *err is as it was
 glint_status glint_render_run(glint_render *render, struct glint_worker *worker,
                               const struct glint_slice *slice, struct glint_error *err);
 

@@ -30,6 +30,7 @@ static void fill_wave_job(struct glint_view *v)
     v->wave_job.plan = &v->plan;
     v->wave_job.program = v->program;
     v->wave_job.scene = v->scene;
+    v->wave_job.interrupted = &v->render->interrupted;
     v->wave_job.frame = v->frame;
     v->wave_job.matte_slots = v->job.matte_slots;
     v->wave_job.matte_policy =

@@ -172,6 +172,12 @@ static uint32_t compact(struct run *r, uint32_t n)
     return kept;
 }
 
+// Relaxed: a bounce sooner or later.
+static bool interrupted(const struct run *r)
+{
+    return r->job->interrupted && atomic_load_explicit(r->job->interrupted, memory_order_relaxed);
+}
+
 static glint_status trace_paths(struct run *r)
 {
     float *columns = glint_buffer_host(r->wave->columns);
@@ -179,6 +185,8 @@ static glint_status trace_paths(struct run *r)
     uint32_t n = st ? 0 : compact(r, r->lanes);
     r->wave->stats.camera_rays += n;
     while (!st && n > 0) {
+        if (interrupted(r))
+            return GLINT_E_BUSY;
         glint_geometry_trace_wave(r->job->geometry, columns, STRIDE, n);
         charge(r, GLINT_PASS_TRACE);
         st = shade(r, n);

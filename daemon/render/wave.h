@@ -11,6 +11,8 @@
 #include "scene/geometry.h"
 #include "scene/resident.h"
 
+#include <stdatomic.h>
+
 #define GLINT_WAVE_LANES 4096u
 
 // What all waves of a job share.
@@ -21,6 +23,7 @@ struct glint_wave_job {
     const glint_geometry *geometry;
     glint_buffer *frame; // struct gk_frame
     uint32_t matte_slots, matte_policy;
+    const atomic_bool *interrupted; // NULL: never
 };
 
 // Counted and measured over the life of a wave.
@@ -41,6 +44,7 @@ glint_status glint_wave_compile(glint_devices *devices, const struct glint_wave_
 // Traces `samples` samples from index `sample` on, of the block of film tiles whose first is at
 // (column, row), 2^tiles_log2 tiles wide and high, and adds them to the film. The block's pixels
 // times samples are at most GLINT_WAVE_LANES.
+//   GLINT_E_BUSY  interrupted: the film is as it was, *err too
 struct glint_wave_block {
     uint32_t x, y;         // first pixel in the display window
     uint32_t x_end, y_end; // first pixel beyond the region

@@ -239,7 +239,7 @@ static void take_slices(struct bench *b)
 {
     for (int s = 0; s < SLICES; s++) {
         const uint32_t tile = (uint32_t)s * 37 % 256;
-        b->slice[s] = (struct glint_slice){tile, tile % 16 * 16, tile / 16 * 16, 16, 16, 16, 16};
+        b->slice[s] = (struct glint_slice){tile, tile % 16 * 16, tile / 16 * 16, 16, 16, 16, 16, 0};
     }
 }
 

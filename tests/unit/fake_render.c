@@ -370,6 +370,11 @@ void glint_view_release(glint_view **view)
     *view = NULL;
 }
 
+void glint_render_interrupt(glint_render *r)
+{
+    (void)r;
+}
+
 void glint_render_restart(glint_render *r, glint_view **view)
 {
     lock();
