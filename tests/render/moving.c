@@ -5,34 +5,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MATERIALS                                                \
-    "'materials':{'white':{'base_color':[0.7,0.7,0.7],'ior':1}," \
-    "'red':{'base_color':[0.8,0.15,0.1],'ior':1},'glow':{'emission':[6,5,3],'ior':1}}"
 #define WALL "'wall':{'mesh':'wall','material':'white','transform':{'translation':[0,0,-1.5]}}"
-#define CAMERA "'cameras':{'eye':{'yfov':0.6,'transform':{'translation':[0,0,6]}}}"
-#define LAMP                                                                                     \
-    "'lights':{'lamp':{'type':'point','intensity':25,'transform':{'translation':[1.5,2.5,3]}}}," \
-    "'environment':{'radiance':[0.3,0.35,0.45]}"
 #define DARK "'environment':{'radiance':[0,0,0]}"
 #define WALL_MESH "'wall':{'primitive':'quad','size':[20,20]}"
 
 char *moving_box(void)
 {
     return stable_text(
-        "{" MATERIALS ",'meshes':{" WALL_MESH ",'box':{'primitive':'box'}},'nodes':{'n':{}},"
+        "{" MOVING_MATERIALS ",'meshes':{" WALL_MESH ",'box':{'primitive':'box'}},'nodes':{'n':{}},"
         "'instances':{" WALL ",'box':{'mesh':'box','material':'red','node':'n'}},"
         "'animations':{'a':{'channels':{'c':{'node':'n','path':'translation','times':[0,1],"
-        "'values':[-1.5,-0.3,0,1.5,0.4,0]}}}}," CAMERA "," LAMP "}");
+        "'values':[-1.5,-0.3,0,1.5,0.4,0]}}}}," MOVING_CAMERA "," MOVING_LAMP "}");
 }
 
 char *moving_bar(void)
 {
     return stable_text(
-        "{" MATERIALS ",'meshes':{" WALL_MESH ",'bar':{'primitive':'box','size':[2.4,0.3,0.3]}},"
+        "{" MOVING_MATERIALS ",'meshes':{" WALL_MESH
+        ",'bar':{'primitive':'box','size':[2.4,0.3,0.3]}},"
         "'nodes':{'n':{}},'instances':{" WALL ",'bar':{'mesh':'bar','material':'red','node':'n',"
         "'transform':{'translation':[0.3,0,0]}}},"
         "'animations':{'a':{'channels':{'c':{'node':'n','path':'rotation','times':[0,1],"
-        "'values':[0,0,0,1,0,0,0.70710678,0.70710678]}}}}," CAMERA "," LAMP "}");
+        "'values':[0,0,0,1,0,0,0.70710678,0.70710678]}}}}," MOVING_CAMERA "," MOVING_LAMP "}");
 }
 
 #define LEVELS 9
@@ -90,7 +84,7 @@ char *moving_column(void)
     for (int i = 0; i < 5; i++)
         list[i] = column_list((enum list)i);
     char *text = stable_text(
-        "{" MATERIALS ",'meshes':{" WALL_MESH ",'column':{'positions':[%s],'normals':[%s],"
+        "{" MOVING_MATERIALS ",'meshes':{" WALL_MESH ",'column':{'positions':[%s],'normals':[%s],"
         "'joints':[%s],'weights':[%s],'targets':[{'positions':[%s]}],'indices':[%s]}},"
         "'nodes':{'foot':{'transform':{'translation':[0,-1.2,0]}},"
         "'knee':{'parent':'foot','transform':{'translation':[0,1,0]}},'weights':{}},"
@@ -100,8 +94,8 @@ char *moving_column(void)
         "'node':'weights'}},'animations':{'a':{'channels':{"
         "'bend':{'node':'knee','path':'rotation','times':[0,1],"
         "'values':[0,0,0,1,0,0,-0.5,0.8660254]},"
-        "'swell':{'node':'weights','path':'weights','times':[0,1],'values':[0,1]}}}}," CAMERA
-        "," LAMP "}",
+        "'swell':{'node':'weights','path':'weights','times':[0,1],'values':[0,1]}}}}," MOVING_CAMERA
+        "," MOVING_LAMP "}",
         list[POSITIONS], list[NORMALS], list[JOINTS], list[WEIGHTS], list[SWELLING], indices);
     for (int i = 0; i < 5; i++)
         free(list[i]);
@@ -112,29 +106,30 @@ char *moving_column(void)
 char *moving_camera(void)
 {
     return stable_text(
-        "{" MATERIALS ",'meshes':{" WALL_MESH ",'box':{'primitive':'box'}},'nodes':{'n':{}},"
+        "{" MOVING_MATERIALS ",'meshes':{" WALL_MESH ",'box':{'primitive':'box'}},'nodes':{'n':{}},"
         "'instances':{" WALL ",'box':{'mesh':'box','material':'red'}},"
         "'animations':{'a':{'channels':{'go':{'node':'n','path':'translation','times':[0,1],"
         "'values':[-0.7,0,6,0.7,0.2,5.5]},'turn':{'node':'n','path':'rotation','times':[0,1],"
         "'values':[0,-0.05,0,0.99875,0,0.1,0.02,0.994786]}}}},"
-        "'cameras':{'eye':{'yfov':0.6,'node':'n'}}," LAMP "}");
+        "'cameras':{'eye':{'yfov':0.6,'node':'n'}}," MOVING_LAMP "}");
 }
 
 char *moving_emitter(void)
 {
     return stable_text(
-        "{" MATERIALS ",'meshes':{" WALL_MESH ",'panel':{'primitive':'quad','size':[0.6,0.6]}},"
+        "{" MOVING_MATERIALS ",'meshes':{" WALL_MESH
+        ",'panel':{'primitive':'quad','size':[0.6,0.6]}},"
         "'nodes':{'n':{}},'instances':{" WALL ",'panel':{'mesh':'panel','material':'glow',"
         "'node':'n','transform':{'rotation':[0,0.70710678,0,0.70710678]}}},"
         "'animations':{'a':{'channels':{'c':{'node':'n','path':'translation','times':[0,1],"
         "'values':[-1.5,-0.6,-0.8,1.5,0.6,-0.8]},'d':{'node':'n','path':'rotation','times':[0,1],"
-        "'values':[0,0,0,1,0,0.25881905,0,0.96592583]}}}}," CAMERA "," DARK "}");
+        "'values':[0,0,0,1,0,0.25881905,0,0.96592583]}}}}," MOVING_CAMERA "," DARK "}");
 }
 
 char *moving_lamps(void)
 {
     return stable_text(
-        "{" MATERIALS ",'meshes':{" WALL_MESH "},'nodes':{'n':{}},'instances':{" WALL "},"
+        "{" MOVING_MATERIALS ",'meshes':{" WALL_MESH "},'nodes':{'n':{}},'instances':{" WALL "},"
         "'lights':{'point':{'type':'point','intensity':1,'node':'n'},"
         "'spot':{'type':'spot','intensity':8,'outer_cone':0.3,'node':'n',"
         "'transform':{'translation':[0,0.5,1]}},"
@@ -142,7 +137,7 @@ char *moving_lamps(void)
         "'transform':{'translation':[0,-1,0.2]}}},"
         "'animations':{'a':{'channels':{'c':{'node':'n','path':'translation','times':[0,1],"
         "'values':[-1.2,0,-0.9,1.2,0.3,-0.9]},'d':{'node':'n','path':'rotation','times':[0,1],"
-        "'values':[0,0,0,1,0.1,0,0,0.99498744]}}}}," CAMERA "," DARK "}");
+        "'values':[0,0,0,1,0.1,0,0,0.99498744]}}}}," MOVING_CAMERA "," DARK "}");
 }
 
 char *moving_job(double open, double close, int side, int samples, int seed)

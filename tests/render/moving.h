@@ -4,6 +4,15 @@
 
 #include "tests/stability/stable.h"
 
+// Members of all of them.
+#define MOVING_MATERIALS                                         \
+    "'materials':{'white':{'base_color':[0.7,0.7,0.7],'ior':1}," \
+    "'red':{'base_color':[0.8,0.15,0.1],'ior':1},'glow':{'emission':[6,5,3],'ior':1}}"
+#define MOVING_CAMERA "'cameras':{'eye':{'yfov':0.6,'transform':{'translation':[0,0,6]}}}"
+#define MOVING_LAMP                                                                              \
+    "'lights':{'lamp':{'type':'point','intensity':25,'transform':{'translation':[1.5,2.5,3]}}}," \
+    "'environment':{'radiance':[0.3,0.35,0.45]}"
+
 // Before a wall lit by a lamp and the sky; all malloc'd texts.
 char *moving_box(void);     // goes from left to right
 char *moving_bar(void);     // turns by a quarter about the line of sight

@@ -2,6 +2,7 @@
 #include "tests/render/moving.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -200,6 +201,92 @@ static void a_shutter_without_length_shows_a_still(void **state)
     glint_frame_destroy(&rest);
 }
 
+// ---- stills beside scenes that are written as they are then
+
+static void write_numbers(FILE *out, const char *name, const float *number, size_t count)
+{
+    fprintf(out, ",'%s':[", name);
+    for (size_t i = 0; i < count; i++)
+        fprintf(out, "%s%.9g", i ? "," : "", number[i]);
+    fputc(']', out);
+}
+
+// The last instance of the scene as it is at `time`: its vertices, and where they are.
+static void write_posed(FILE *out, const struct glint_posed *rest, double time)
+{
+    const struct glint_scene *s = glint_resident_scene(rest->resident);
+    const struct glint_pose_request request = {.open = time, .close = time};
+    const uint32_t last = s->instances - 1;
+    const struct glint_mesh *mesh = &s->mesh[s->instance[last].mesh];
+    struct glint_pose *pose;
+    double m[16];
+    float transform[16];
+    assert_int_equal(glint_pose_create(&pose, s, &request, NULL), GLINT_OK);
+    const struct glint_pose_instance *in = &pose->instance[last];
+    glint_pose_instance_at(pose, s, last, 0, m);
+    for (int i = 0; i < 16; i++)
+        transform[i] = (float)m[i];
+    fprintf(out, "'meshes':{'wall':{'primitive':'quad','size':[20,20]},'it':{'indices':[");
+    for (uint32_t i = 0; i < 3 * mesh->triangles; i++)
+        fprintf(out, "%s%u", i ? "," : "", mesh->index[i]);
+    fputc(']', out);
+    write_numbers(out, "positions", in->deforms ? in->position : mesh->position,
+                  3 * mesh->vertices);
+    if (mesh->normal)
+        write_numbers(out, "normals", in->deforms ? in->normal : mesh->normal, 3 * mesh->vertices);
+    fprintf(out, "}},'instances':{'wall':{'mesh':'wall','material':'white','transform':"
+                 "{'translation':[0,0,-1.5]}},'it':{'mesh':'it','material':'red'");
+    write_numbers(out, "transform", transform, 16);
+    fprintf(out, "}}");
+    glint_pose_release(&pose);
+}
+
+// Nearly all pixels are the same to within rounding; at edges samples may fall to either side.
+static void assert_nearly_equal(const struct glint_frame *a, const struct glint_frame *b)
+{
+    size_t unequal = 0;
+    for (int c = 0; c < 3; c++) {
+        const float *p = glint_frame_find(a, colour[c]), *q = glint_frame_find(b, colour[c]);
+        for (size_t i = 0; i < stable_pixels(a); i++)
+            unequal += !(fabsf(p[i] - q[i]) <= 1e-3f * fabsf(p[i]));
+    }
+    print_message("# %zu of %zu values differ by more than 0.1 %%\n", unequal,
+                  3 * stable_pixels(a));
+    assert_true(unequal * 100 < 3 * stable_pixels(a));
+}
+
+static void assert_still_as_written(char *text, double time)
+{
+    struct glint_posed rest = offline_load_posed_text(&o, text);
+    char *written;
+    size_t size;
+    FILE *out = open_memstream(&written, &size);
+    fprintf(out, "{" MOVING_MATERIALS "," MOVING_CAMERA "," MOVING_LAMP ",");
+    write_posed(out, &rest, time);
+    fputc('}', out);
+    fclose(out);
+    char *quoted = stable_text("%s", written);
+    struct glint_posed same = offline_load_posed_text(&o, quoted);
+    struct glint_frame *a = frame_at(&rest, time, time, 16, 1);
+    struct glint_frame *b = frame_at(&same, 0, 0, 16, 1);
+    assert_nearly_equal(a, b);
+    glint_frame_destroy(&a);
+    glint_frame_destroy(&b);
+    glint_resident_release(&rest.resident);
+    glint_resident_release(&same.resident);
+    free(quoted);
+    free(written);
+    free(text);
+}
+
+static void a_still_shows_the_scene_as_it_is_then(void **state)
+{
+    (void)state;
+    assert_still_as_written(moving_box(), 0.3);
+    assert_still_as_written(moving_bar(), 0.7);
+    assert_still_as_written(moving_column(), 0.9);
+}
+
 // A box beside a node that carries nothing that is seen.
 static char *idle_scene(const char *more)
 {
@@ -235,6 +322,7 @@ int main(void)
         cmocka_unit_test(an_emitter_that_passes_lights_as_the_mean_of_its_stills),
         cmocka_unit_test(lamps_that_pass_light_as_the_mean_of_their_stills),
         cmocka_unit_test(a_shutter_without_length_shows_a_still),
+        cmocka_unit_test(a_still_shows_the_scene_as_it_is_then),
         cmocka_unit_test(an_animation_of_nothing_that_is_seen_leaves_every_bit),
     };
     offline_start(&o, 0);
