@@ -20,6 +20,8 @@ static bool read_part(struct glint_gltf *g, const struct glint_json *attributes,
     const bool fraction = components == 4 && out->normalized && out->type != GLTF_U32;
     if (out->components != components || (out->type != GLTF_F32 && !fraction))
         return glint_json_fault(&at, "accessor %u has the wrong type for it", index);
+    if (out->view == GLINT_NONE) // or a few bytes would make millions
+        return glint_json_fault(&at, "accessor %u has no buffer view", index);
     if (c->count && out->count != c->count)
         return glint_json_fault(&at, "accessor %u has %u elements, another attribute has %u", index,
                                 out->count, c->count);

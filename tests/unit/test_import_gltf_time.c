@@ -600,6 +600,21 @@ static void faults_of_copies_are_named(void **state)
     gltf_refuse_moving(COPIES("'ROTATION':6", ""), &data, "/accessors/6", "element 0 is no");
 }
 
+static void copies_out_of_nothing_are_refused(void **state)
+{
+    (void)state;
+    static const float triangle[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    size_t size;
+    uint8_t *glb = glb_make(
+        "{'asset':{'version':'2.0'},'buffers':[{'byteLength':36}],'bufferViews':[{'buffer':0,"
+        "'byteLength':36}],'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':"
+        "'VEC3'},{'componentType':5126,'count':4000000,'type':'VEC3'}],'meshes':[{'primitives':[{"
+        "'attributes':{'POSITION':0}}]}],'nodes':[{'mesh':0,'extensions':{"
+        "'EXT_mesh_gpu_instancing':{'attributes':{'TRANSLATION':1}}}}]}",
+        triangle, sizeof triangle, &size);
+    gltf_refused(glb, size, GLINT_E_RANGE, COPIES_AT "/TRANSLATION", "no buffer view");
+}
+
 // --- vertices
 
 static void colours_become_linear_fractions_with_opacity(void **state)
@@ -695,6 +710,7 @@ int main(void)
         cmocka_unit_test(copies_of_a_node_are_instances_of_one_object),
         cmocka_unit_test(copies_below_what_moves_keep_their_place_in_it),
         cmocka_unit_test(faults_of_copies_are_named),
+        cmocka_unit_test(copies_out_of_nothing_are_refused),
         cmocka_unit_test(colours_become_linear_fractions_with_opacity),
         cmocka_unit_test(what_is_imported_survives_the_native_form),
     };
