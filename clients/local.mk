@@ -4,6 +4,7 @@ CLI_LIBS = libglintcli.a $(PROTOCOL_LIBS) $(CURL_LIBS)
 
 noinst_LIBRARIES += libglintcli.a
 libglintcli_a_SOURCES = \
+	clients/cli/bundle.c clients/cli/bundle.h \
 	clients/cli/client.c clients/cli/client.h \
 	clients/cli/cmd_get.c \
 	clients/cli/cmd_jobs.c \
@@ -19,7 +20,6 @@ libglintcli_a_SOURCES = \
 	clients/cli/options.c clients/cli/options.h \
 	clients/cli/order.c clients/cli/order.h \
 	clients/cli/output.c clients/cli/output.h \
-	clients/cli/pack_gltf.c clients/cli/pack_gltf.h \
 	clients/cli/problem.c clients/cli/problem.h \
 	clients/cli/progress.c clients/cli/progress.h \
 	clients/cli/session.c clients/cli/session.h \

@@ -1,6 +1,6 @@
 #include "upload.h"
+#include "bundle.h"
 #include "output.h"
-#include "pack_gltf.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -13,8 +13,8 @@
 static const struct {
     const char *extension, *type;
 } types[] = {
-    {"glb", "model/gltf-binary"}, {"gltf", "model/gltf-binary"}, {"json", "application/json"},
-    {"obj", "model/obj"},         {"ply", "application/ply"},    {"stl", "model/stl"},
+    {"glb", "model/gltf-binary"}, {"gltf", "model/gltf+json"}, {"json", "application/json"},
+    {"obj", "model/obj"},         {"ply", "application/ply"},  {"stl", "model/stl"},
 };
 
 const char *glint_upload_type(const char *path)
@@ -52,31 +52,9 @@ static glint_status put(struct glint_session *s, const char *name, const struct 
     return status;
 }
 
-static glint_status put_packed(struct glint_session *s, const char *path, const char *name,
-                               const char *type, cJSON **scene, struct glint_error *err)
+static glint_status put_file(struct glint_session *s, const char *path, const char *name,
+                             const char *type, cJSON **scene, struct glint_error *err)
 {
-    uint8_t *glb;
-    size_t size;
-    glint_status status = glint_pack_gltf(path, &glb, &size, err);
-    if (status)
-        return status;
-    status =
-        put(s, name, &(struct glint_body){.type = type, .bytes = glb, .size = size}, scene, err);
-    free(glb);
-    return status;
-}
-
-glint_status glint_upload_scene(struct glint_session *s, const char *path, const char *name,
-                                cJSON **scene, struct glint_error *err)
-{
-    const char *type = glint_upload_type(path);
-    *scene = NULL;
-    if (!type)
-        return glint_fail(err, GLINT_E_MEDIA_TYPE, "", "%s: not known as a scene by its extension",
-                          path);
-    if (glint_output_is(path, "gltf"))
-        return put_packed(s, path, name, type, scene, err);
-
     struct stat info;
     const int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0)
@@ -89,5 +67,30 @@ glint_status glint_upload_scene(struct glint_session *s, const char *path, const
                      &(struct glint_body){.type = type, .fd = fd, .size = (uint64_t)info.st_size},
                      scene, err);
     close(fd);
+    return status;
+}
+
+glint_status glint_upload_scene(struct glint_session *s, const char *path, const char *name,
+                                cJSON **scene, struct glint_error *err)
+{
+    const char *type = glint_upload_type(path);
+    struct glint_bundle bundle = {.fd = -1};
+    glint_status status = GLINT_OK;
+    *scene = NULL;
+    if (!type)
+        return glint_fail(err, GLINT_E_MEDIA_TYPE, "", "%s: not known as a scene by its extension",
+                          path);
+    if (glint_output_is(path, "gltf"))
+        status = glint_bundle_gltf(path, &bundle, err);
+    else if (glint_output_is(path, "obj"))
+        status = glint_bundle_obj(path, &bundle, err);
+    if (status)
+        return status;
+    if (bundle.fd < 0)
+        return put_file(s, path, name, type, scene, err);
+    status = put(s, name,
+                 &(struct glint_body){.type = bundle.type, .fd = bundle.fd, .size = bundle.size},
+                 scene, err);
+    glint_bundle_finish(&bundle);
     return status;
 }

@@ -11,7 +11,8 @@ const char *glint_upload_type(const char *path);
 // not have ([A-Za-z0-9._-]{1,128}).
 void glint_upload_name(const char *path, char name[129]);
 
-// PUTs the file as scene `name`; *scene is its resource. A .gltf is packed with the files beside it.
+// PUTs the file as scene `name`; *scene is its resource. A .gltf and an .obj are sent
+// with the files that they name.
 glint_status glint_upload_scene(struct glint_session *s, const char *path, const char *name,
                                 cJSON **scene, struct glint_error *err);
 

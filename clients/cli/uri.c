@@ -136,10 +136,11 @@ static bool inside(const char *directory, const char *path)
            (path[length] == '/' || directory[length - 1] == '/');
 }
 
-static glint_status read_relative(const char *directory, const char *name, struct glint_blob *out,
-                                  const char *pointer, struct glint_error *err)
+glint_status glint_uri_read_path(const char *directory, const char *name, struct glint_blob *out,
+                                 const char *pointer, struct glint_error *err)
 {
     char *path = NULL;
+    *out = (struct glint_blob){0};
     if (asprintf(&path, "%s/%s", directory, name) < 0)
         return glint_fail(err, GLINT_E_NOMEM, pointer, "no memory");
     char *real = realpath(path, NULL);
@@ -167,7 +168,7 @@ glint_status glint_uri_read(const char *directory, const char *uri, struct glint
     char *name = glint_uri_decode(uri);
     if (!name)
         return glint_fail(err, GLINT_E_RANGE, pointer, "%.200s: a malformed escape", uri);
-    const glint_status status = read_relative(directory, name, out, pointer, err);
+    const glint_status status = glint_uri_read_path(directory, name, out, pointer, err);
     free(name);
     return status;
 }

@@ -22,6 +22,10 @@ struct glint_blob {
 glint_status glint_uri_read(const char *directory, const char *uri, struct glint_blob *out,
                             const char *pointer, struct glint_error *err);
 
+// Reads the file by its plain path relative to `directory`, which it has to be in.
+glint_status glint_uri_read_path(const char *directory, const char *name, struct glint_blob *out,
+                                 const char *pointer, struct glint_error *err);
+
 // A whole regular file of at most 4 GiB, with a terminator behind it.
 glint_status glint_uri_read_file(const char *path, struct glint_blob *out, const char *pointer,
                                  struct glint_error *err);

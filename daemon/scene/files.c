@@ -80,14 +80,18 @@ static bool unescape(char *text)
 
 static bool stays_inside(const char *path)
 {
+    int depth = 0;
     if (*path == '/' || *path == '\\' || strstr(path, "://"))
         return false;
-    for (const char *part = path; part; part = strpbrk(part, "/\\")) {
-        part += *part == '/' || *part == '\\';
-        if (part[0] == '.' && part[1] == '.' && (!part[2] || strchr("/\\", part[2])))
-            return false;
+    while (*path && depth >= 0) {
+        const size_t length = strcspn(path, "/\\");
+        if (length == 2 && !strncmp(path, "..", 2))
+            depth--;
+        else if (length && (length > 1 || *path != '.'))
+            depth++;
+        path += length + (path[length] != '\0');
     }
-    return true;
+    return depth >= 0;
 }
 
 struct glint_file *glint_files_find_uri(struct glint_files *files, const char *uri)
