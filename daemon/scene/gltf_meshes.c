@@ -140,25 +140,17 @@ static bool check_reach(struct glint_gltf *g, const struct showing *w, uint32_t 
     return false;
 }
 
-// Bound to the joints, which say where it is. False after a fault, or where there is no binding.
-static bool bind(struct glint_gltf *g, const struct showing *w, struct glint_instance *in)
+// Bound to the joints, which say where it is.
+static void bind(struct glint_gltf *g, const struct showing *w, struct glint_instance *in)
 {
-    const char *name = g->scene->object[w->object].name;
     char pointer[40];
-    if (!g->joints[in->mesh]) {
-        glint_gltf_note(g, "skin without joints",
-                        "node \"%.200s\" has a skin, but its mesh has no joints: it is not bound",
-                        name);
-        return false;
-    }
     in->skin = g->skin[w->skin];
     const uint32_t joints = g->scene->skin[in->skin].joints;
     snprintf(pointer, sizeof pointer, "/nodes/%u/skin", w->node);
     if (g->joints[in->mesh] > joints)
         glint_fail(g->err, GLINT_E_RANGE, pointer,
-                   "the mesh of node \"%.200s\" asks for joint %u; the skin has %u", name,
-                   g->joints[in->mesh] - 1, joints);
-    return true;
+                   "the mesh of node \"%.200s\" asks for joint %u; the skin has %u",
+                   g->scene->object[w->object].name, g->joints[in->mesh] - 1, joints);
 }
 
 // `below` is the transform below the node, of one of its copies.
@@ -168,7 +160,8 @@ static void place(struct glint_gltf *g, const struct showing *w, const double be
     const struct glint_gltf_node *n = &g->node[w->node];
     double world[16];
     glint_gltf_multiply(world, n->world, below);
-    if (w->skin != GLINT_NONE && bind(g, w, in)) {
+    if (w->skin != GLINT_NONE) {
+        bind(g, w, in);
         in->node = n->weighs ? n->frame : GLINT_NONE; // whose channels morph it
         return;
     }
@@ -256,10 +249,41 @@ static bool shows_something(const struct mesh *mesh)
     return false;
 }
 
-static bool name_object(struct meshes *m, const struct showing *w, struct glint_object *o)
+// The skin of a node, if all that it shows has joints.
+static uint32_t skin_of(struct meshes *m, const struct glint_json *node, uint32_t mesh,
+                        const char *name)
 {
     struct glint_gltf *g = m->g;
-    const char *name = object_name(m, w->node, w->mesh);
+    const uint32_t skin = glint_gltf_index(g, node, "skin", GLTF_SKINS);
+    const struct mesh *shown = &m->mesh[mesh];
+    for (uint32_t k = 0; skin != GLINT_NONE && k < shown->primitives; k++) {
+        const uint32_t geometry = shown->primitive[k].geometry;
+        if (geometry == GLINT_NONE || g->joints[geometry])
+            continue;
+        glint_gltf_note(g, "skin without joints",
+                        "node \"%.200s\" has a skin, but its mesh has no joints: it is not bound",
+                        name);
+        return GLINT_NONE;
+    }
+    return skin;
+}
+
+// How many times a node shows its mesh, 0: once, where it is. A skin says where.
+static uint32_t copies_of(struct glint_gltf *g, const struct glint_json *node, uint32_t skin,
+                          const char *name)
+{
+    const uint32_t copies = glint_gltf_copies(g, node);
+    if (!copies || skin == GLINT_NONE)
+        return copies;
+    glint_gltf_note(g, "copies of a skin",
+                    "EXT_mesh_gpu_instancing of node \"%.200s\" is ignored: it has a skin", name);
+    return 0;
+}
+
+static bool name_object(struct meshes *m, const struct showing *w, const char *name)
+{
+    struct glint_gltf *g = m->g;
+    struct glint_object *o = &g->scene->object[w->object];
     o->name = name ? glint_arena_string(&g->scene->arena, name) : NULL;
     o->asset = asset_of(g, w->node);
     o->id = name ? glint_gltf_names_id(&g->ids[GLTF_ID_OBJECT], &g->scene->arena, name) : NULL;
@@ -271,13 +295,12 @@ static void add_object(struct meshes *m, uint32_t node, uint32_t mesh)
     struct glint_gltf *g = m->g;
     const struct glint_json at = glint_gltf_item(g, GLTF_NODES, node);
     struct showing w = {.node = node, .mesh = mesh, .object = g->scene->objects};
-    w.skin = glint_gltf_index(g, &at, "skin", GLTF_SKINS);
+    const char *name = object_name(m, node, mesh);
     if (!shows_something(&m->mesh[mesh]))
         return;
-    const uint32_t copies = glint_gltf_copies(g, &at);
-    if (!copies && !has_volume(g, &w, identity))
-        return;
-    if (!name_object(m, &w, &g->scene->object[w.object]))
+    w.skin = skin_of(m, &at, mesh, name ? name : "");
+    const uint32_t copies = copies_of(g, &at, w.skin, name ? name : "");
+    if ((!copies && !has_volume(g, &w, identity)) || !name_object(m, &w, name))
         return;
     w.weight = glint_gltf_weights(g, &at, m->mesh[mesh].targets);
     g->scene->objects++;

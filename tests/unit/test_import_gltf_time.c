@@ -406,6 +406,12 @@ static void a_skin_without_joints_in_the_mesh_binds_nothing(void **state)
     assert_true(s->instance[0].skin == GLINT_NONE && s->instance[0].transform[13] == 2);
     gltf_expect_warning(s, "node \"n\" has a skin, but its mesh has no joints");
     glint_scene_destroy(&s);
+    s = gltf_moving(SKINNED_MESH ",'skins':[{'joints':[0,0]}],'scenes':[{'nodes':[0]}],'nodes':[{"
+                                 "'name':'n','mesh':0,'skin':0,'extensions':{"
+                                 "'EXT_mesh_gpu_instancing':{'attributes':{'TRANSLATION':5}}}}]");
+    assert_true(s->instances == 1 && s->instance[0].skin == 0);
+    gltf_expect_warning(s, "EXT_mesh_gpu_instancing of node \"n\" is ignored");
+    glint_scene_destroy(&s);
 }
 
 // --- morph targets
