@@ -50,6 +50,7 @@ static void print_scene(struct glint_session *s, cJSON *scene)
     }
     glint_table_print_one(one, scene);
     print_texts("camera", cJSON_GetObjectItemCaseSensitive(scene, "cameras"));
+    print_texts("animation", cJSON_GetObjectItemCaseSensitive(scene, "animations"));
     print_texts("warning", cJSON_GetObjectItemCaseSensitive(scene, "warnings"));
     cJSON_Delete(scene);
 }

@@ -325,6 +325,10 @@ static void add_counts(cJSON *resource, const glint_revision *r)
     cJSON *names = cJSON_AddArrayToObject(resource, "cameras");
     for (uint32_t i = 0; i < scene->cameras; i++)
         cJSON_AddItemToArray(names, cJSON_CreateString(scene->camera[i].name));
+    cJSON *animations = cJSON_AddArrayToObject(resource, "animations");
+    for (uint32_t i = 0; i < scene->animations; i++)
+        cJSON_AddItemToArray(animations, cJSON_CreateString(scene->animation[i].name));
+    cJSON_AddNumberToObject(resource, "fps", scene->fps);
 }
 
 static void add_effects(cJSON *resource, const glint_resident *resident)
