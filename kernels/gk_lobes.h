@@ -106,11 +106,15 @@ GK_INLINE struct gk_vec gk_rough_dielectric(const struct gk_surface *s, gk_f32 w
 }
 
 // Share of what one reflection loses that further ones return: R^2 Emean / (1 - R (1-Emean)).
+GK_INLINE gk_f32 gk_multiple_share(gk_f32 r, gk_f32 mean)
+{
+    return r * r * mean / gk_max(1.0f - r * (1.0f - mean), 1e-6f);
+}
+
 GK_INLINE struct gk_vec gk_multiple_tint(struct gk_vec r, gk_f32 mean)
 {
-    const gk_f32 loss = 1.0f - mean;
-    return gk_vec(r.x * r.x * mean / (1.0f - r.x * loss), r.y * r.y * mean / (1.0f - r.y * loss),
-                  r.z * r.z * mean / (1.0f - r.z * loss));
+    return gk_vec(gk_multiple_share(r.x, mean), gk_multiple_share(r.y, mean),
+                  gk_multiple_share(r.z, mean));
 }
 
 // Albedo of all that the rough interface reflects.

@@ -19,9 +19,22 @@ struct layers {
 struct material {
     const char *name;
     float base, metallic, transmission, roughness, ior;
-    int thin, leaving;           // leaving: wo lies inside
+    int thin, leaving; // leaving: wo lies inside
+#ifdef GK_CLEARCOAT
     const struct layers *layers; // NULL: without
+#endif
 };
+
+static inline const struct layers *layers_of(const struct material *m)
+{
+    static const struct layers none = {1, {1, 1, 1}, 0, 0, 0, 1};
+#ifdef GK_CLEARCOAT
+    return m->layers ? m->layers : &none;
+#else
+    (void)m;
+    return &none;
+#endif
+}
 
 // Reflectance of a dielectric in double. Source: Fresnel's equations, as printed in textbooks.
 static inline double exact_fresnel(double cos_i, double eta)
@@ -77,7 +90,6 @@ static inline void add_layers(struct gk_surface *s, const struct layers *l)
 
 static inline struct gk_surface make_surface_at(const struct material *m, struct gk_vec wo)
 {
-    static const struct layers none = {1, {1, 1, 1}, 0, 0, 0, 1};
     struct gk_surface s = {0};
     s.base = gk_splat(m->base);
     s.metallic = m->metallic;
@@ -89,7 +101,7 @@ static inline struct gk_surface make_surface_at(const struct material *m, struct
     s.thin = m->thin;
     s.energy = energy_of(m->ior);
     s.interface = 2 * GK_ENERGY_PART;
-    add_layers(&s, m->layers ? m->layers : &none);
+    add_layers(&s, layers_of(m));
     gk_surface_prepare(&s, wo);
     return s;
 }

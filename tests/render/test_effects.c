@@ -29,6 +29,7 @@ static const struct world sky = {SKY, "'ior':1", "", "", 24};
 static const struct world lamp = {"", "'ior':1", "", LAMP, 24};
 static const struct world textured = {SKY, BASE_TEXTURE, "", "", 24};
 static const struct world glossy = {SKY, "'roughness':0.4", "", "", 24};
+static const struct world polished = {SKY, "'roughness':0,'metallic':1", "", "", 24};
 static const struct world glass = {SKY, "'roughness':0,'transmission':1", "", "", 24};
 static const struct world image_sky = {"'environment':{'image':'i'},", "'ior':1", "", "", 24};
 
@@ -148,7 +149,7 @@ static const struct forcing forcing[] = {
     {"environment image", &sky, "next-event estimation"},
     {"depth of field", &sky, ""},
     {"Blackman-Harris filter", &sky, ""},
-    {"multiple scattering", &sky, ""},
+    {"multiple scattering", &polished, ""},
     {"specular", &glossy, ""},
     {"clearcoat", &glossy, ""},
     {"collimation", &glass, ""},
@@ -309,8 +310,11 @@ static const char by_facts[] =
     "texture pools|second texture coordinates|vertex colours|motion|camera motion";
 
 static const struct cause cause[] = {
-    {"microfacet", {SKY, "'ior':1.5", "", "", 24}, BEAUTY, "microfacet|" CONSTANT},
-    {"microfacet", {SKY, "'ior':1,'metallic':1", "", "", 24}, BEAUTY, "microfacet|" CONSTANT},
+    {"microfacet", {SKY, "'roughness':0", "", "", 24}, BEAUTY, "microfacet|" CONSTANT},
+    {"microfacet",
+     {SKY, "'ior':1,'metallic':1", "", "", 24},
+     {"'beauty'", "box", "'accuracy':{'microfacet':'single'},", 3},
+     "microfacet|" CONSTANT},
     {"transmission",
      {SKY, "'ior':1,'transmission':1", "", "", 24},
      BEAUTY,
@@ -323,9 +327,12 @@ static const struct cause cause[] = {
     {"instances", {SKY, "'ior':1", "", TURNED, 24}, BEAUTY, "instances|" CONSTANT},
     {"multiple scattering",
      {SKY, "'ior':1,'metallic':1", "", "", 24},
-     {"'beauty'", "box", "'accuracy':{'microfacet':'multiple'},", 3},
+     BEAUTY,
      "multiple scattering|microfacet|" CONSTANT},
-    {"specular", {SKY, "'specular':0.5", "", "", 24}, BEAUTY, "specular|microfacet|" CONSTANT},
+    {"specular",
+     {SKY, "'roughness':0,'specular':0.5", "", "", 24},
+     BEAUTY,
+     "specular|microfacet|" CONSTANT},
     {"clearcoat",
      {SKY, "'ior':1,'clearcoat':0.5", "", "", 24},
      BEAUTY,
