@@ -148,6 +148,7 @@ static void fill_lighting(const struct glint_view *r, struct gk_frame *f)
 {
     const struct glint_scene_lighting *l = glint_resident_lighting(r->scene);
     f->lights = l->lights;
+    f->light_stride = l->light_stride;
     memcpy(f->environment, l->environment, sizeof f->environment);
     f->env_width = l->env_width;
     f->env_height = l->env_height;

@@ -50,8 +50,28 @@ static uint32_t count_lights(const struct glint_resident *r)
     return n;
 }
 
+// Motion keys of the table: 1 where nothing that shines moves.
+static uint32_t count_keys(const struct glint_resident *r)
+{
+    const uint32_t keys = glint_resident_keys(r);
+    for (uint32_t i = 0; i < r->rows; i++)
+        if (r->row[i].emits && glint_row_moves(r, &r->row[i]))
+            return keys;
+    for (uint32_t i = 0; r->pose && i < r->scene->lights; i++)
+        if (r->scene->light[i].kind != GLINT_LIGHT_AREA && r->pose->light[i].moves)
+            return keys;
+    return 1;
+}
+
+// Entry `index` of the table at a key.
+static struct gk_light *light_at(const struct glint_resident *r, uint32_t index, uint32_t key)
+{
+    struct gk_light *table = glint_table_host(r, GLINT_TABLE_LIGHTS);
+    return table + (size_t)key * r->lighting.light_stride + index;
+}
+
 static void triangle_light(const struct glint_resident *r, const struct glint_row *row,
-                           uint32_t index, struct gk_light *l)
+                           uint32_t index, uint32_t key, struct gk_light *l)
 {
     const struct glint_kept *k = glint_row_kept(r, row);
     const struct gk_material *m =
@@ -60,7 +80,7 @@ static void triangle_light(const struct glint_resident *r, const struct glint_ro
     float p[3][3];
     for (int c = 0; c < 3; c++) {
         double world[3];
-        glint_row_vertex(r, row, 0, k->index[3 * index + (flip && c ? 3 - c : c)], world);
+        glint_row_vertex(r, row, key, k->index[3 * index + (flip && c ? 3 - c : c)], world);
         for (int a = 0; a < 3; a++)
             p[c][a] = (float)world[a];
     }
@@ -78,19 +98,20 @@ static void triangle_light(const struct glint_resident *r, const struct glint_ro
 }
 
 // Every triangle of a row has its entry, in the order of the row: a hit finds it by its number.
-// One of no power is never chosen.
-static void add_row(struct glint_resident *r, uint32_t index, double *power)
+// One of no power at the first key is never chosen.
+static void add_row(struct glint_resident *r, uint32_t index, uint32_t keys, double *power)
 {
     const struct glint_row *row = &r->row[index];
     const struct glint_kept *k = glint_row_kept(r, row);
     const struct gk_material *m =
         (const struct gk_material *)glint_table_host(r, GLINT_TABLE_MATERIALS) + row->material;
     const double mean = luminance(m->emission) * texture_mean(r, m->emission_texture);
-    struct gk_light *l = (struct gk_light *)glint_table_host(r, GLINT_TABLE_LIGHTS) + r->lights;
     struct gk_instance *in = (struct gk_instance *)glint_table_host(r, GLINT_TABLE_INSTANCES);
     in[index].light = r->lights;
-    for (uint32_t i = 0; i < k->triangles; i++, l++) {
-        triangle_light(r, row, i, l);
+    for (uint32_t i = 0; i < k->triangles; i++) {
+        for (uint32_t key = 0; key < keys; key++)
+            triangle_light(r, row, i, key, light_at(r, r->lights, key));
+        const struct gk_light *l = light_at(r, r->lights, 0);
         const double sides = l->kind >> 4 ? 2.0 : 1.0;
         power[r->lights++] = M_PI * mean * light_area(l) * sides;
     }
@@ -118,22 +139,33 @@ static void cone(const struct glint_light *from, struct gk_light *l)
     l->b[1] = (float)(1.0 / fmax(1e-3, inner - outer));
 }
 
-static void add_punctual(struct glint_resident *r, const struct glint_light *from, double *power)
+// `to_world`: of the light, at the key that the entry is for.
+static void punctual_light(const struct glint_resident *r, const struct glint_light *from,
+                           const double to_world[16], struct gk_light *l)
 {
-    struct gk_light *l = (struct gk_light *)glint_table_host(r, GLINT_TABLE_LIGHTS) + r->lights;
+    const double *z = to_world + 8, length = sqrt(z[0] * z[0] + z[1] * z[1] + z[2] * z[2]);
     memset(l, 0, sizeof *l);
-    const float *t = from->transform;
-    const double length = sqrt((double)t[8] * t[8] + (double)t[9] * t[9] + (double)t[10] * t[10]);
     for (int k = 0; k < 3; k++) {
-        const double back = length > 0.0 ? t[8 + k] / length : 0.0; // +z, against the beam
-        l->p[k] = from->kind == GLINT_LIGHT_SUN ? (float)back : (float)(t[12 + k] - r->centre[k]);
+        const double back = length > 0.0 ? z[k] / length : 0.0; // +z, against the beam
+        const double place = to_world[12 + k] - r->centre[k];
+        l->p[k] = (float)(from->kind == GLINT_LIGHT_SUN ? back : place);
         l->a[k] = from->kind == GLINT_LIGHT_SPOT ? (float)-back : 0.0f;
         l->L[k] = from->color[k] * from->intensity;
     }
     cone(from, l);
     l->kind = from->kind == GLINT_LIGHT_SUN ? GK_LIGHT_SUN : GK_LIGHT_POINT;
     l->triangle = l->material = GK_NONE;
-    power[r->lights] = punctual_power(r, from, l);
+}
+
+static void add_punctual(struct glint_resident *r, uint32_t index, uint32_t keys, double *power)
+{
+    const struct glint_light *from = &r->scene->light[index];
+    for (uint32_t key = 0; key < keys; key++) {
+        double to_world[16];
+        glint_pose_light_at(r->pose, r->scene, index, key, to_world);
+        punctual_light(r, from, to_world, light_at(r, r->lights, key));
+    }
+    power[r->lights] = punctual_power(r, from, light_at(r, r->lights, 0));
     r->lights += power[r->lights] > 0.0;
 }
 
@@ -168,7 +200,7 @@ static glint_status choose_where(struct glint_resident *r, const double *power,
     if (!r->facts.light_grid)
         return GLINT_OK;
     const struct glint_light_grid_order order = {glint_table_host(r, GLINT_TABLE_LIGHTS), power,
-                                                 r->lights, r->radius};
+                                                 r->lights, r->half};
     size_t count;
     glint_status st = glint_light_grid_build(&words, &count, &r->lighting, &order, err);
     if (!st)
@@ -182,22 +214,24 @@ static glint_status choose_where(struct glint_resident *r, const double *power,
 
 glint_status glint_resident_build_lights(struct glint_resident *r, struct glint_error *err)
 {
-    const uint32_t capacity = count_lights(r) + 1;
+    const uint32_t capacity = count_lights(r) + 1, keys = count_keys(r);
     double *power = calloc(capacity, sizeof *power);
     if (!power)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u lights", capacity);
     glint_status st = glint_buffer_create(&r->table[GLINT_TABLE_LIGHTS], r->devices,
-                                          (size_t)capacity * sizeof(struct gk_light), err);
+                                          (size_t)keys * capacity * sizeof(struct gk_light), err);
     if (!st)
         st = glint_buffer_create(&r->table[GLINT_TABLE_ALIAS], r->devices,
                                  (size_t)capacity * sizeof(struct gk_alias), err);
+    r->lighting.light_stride = keys > 1 ? capacity : 0;
+    r->facts.motion |= keys > 1;
     if (!st) {
         for (uint32_t i = 0; i < r->rows; i++)
             if (r->row[i].emits)
-                add_row(r, i, power);
+                add_row(r, i, keys, power);
         for (uint32_t i = 0; i < r->scene->lights; i++)
             if (r->scene->light[i].kind != GLINT_LIGHT_AREA)
-                add_punctual(r, &r->scene->light[i], power);
+                add_punctual(r, i, keys, power);
         st = choose_where(r, power, err);
         if (!st)
             st = choose_by(r, power, err);

@@ -121,6 +121,8 @@ char *moving_emitter(void)
         ",'panel':{'primitive':'quad','size':[0.6,0.6]}},"
         "'nodes':{'n':{}},'instances':{" WALL ",'panel':{'mesh':'panel','material':'glow',"
         "'node':'n','transform':{'rotation':[0,0.70710678,0,0.70710678]}}},"
+        "'lights':{'area':{'type':'area','intensity':4,'size':[0.5,0.5],'node':'n',"
+        "'transform':{'translation':[0,1,0.2]}}},"
         "'animations':{'a':{'channels':{'c':{'node':'n','path':'translation','times':[0,1],"
         "'values':[-1.5,-0.6,-0.8,1.5,0.6,-0.8]},'d':{'node':'n','path':'rotation','times':[0,1],"
         "'values':[0,0,0,1,0,0.25881905,0,0.96592583]}}}}," MOVING_CAMERA "," DARK "}");
@@ -132,9 +134,7 @@ char *moving_lamps(void)
         "{" MOVING_MATERIALS ",'meshes':{" WALL_MESH "},'nodes':{'n':{}},'instances':{" WALL "},"
         "'lights':{'point':{'type':'point','intensity':1,'node':'n'},"
         "'spot':{'type':'spot','intensity':8,'outer_cone':0.3,'node':'n',"
-        "'transform':{'translation':[0,0.5,1]}},"
-        "'area':{'type':'area','intensity':4,'size':[0.5,0.5],'node':'n',"
-        "'transform':{'translation':[0,-1,0.2]}}},"
+        "'transform':{'translation':[0,0.5,1]}}},"
         "'animations':{'a':{'channels':{'c':{'node':'n','path':'translation','times':[0,1],"
         "'values':[-1.2,0,-0.9,1.2,0.3,-0.9]},'d':{'node':'n','path':'rotation','times':[0,1],"
         "'values':[0,0,0,1,0.1,0,0,0.99498744]}}}}," MOVING_CAMERA "," DARK "}");

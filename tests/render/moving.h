@@ -18,8 +18,8 @@ char *moving_box(void);     // goes from left to right
 char *moving_bar(void);     // turns by a quarter about the line of sight
 char *moving_column(void);  // bends over by 60 degrees and swells: a skin and a morph target
 char *moving_camera(void);  // the camera passes the box and turns to it
-char *moving_emitter(void); // a panel that glows passes the wall, without other light
-char *moving_lamps(void);   // a point, a spot and an area light pass it
+char *moving_emitter(void); // a glowing panel and an area light pass the dark wall
+char *moving_lamps(void);   // a point and a spot light pass it
 
 // "'shutter':[open,close]" and so on for one of these, `side` pixels wide, 3/4 as high.
 char *moving_job(double open, double close, int side, int samples, int seed);
