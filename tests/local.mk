@@ -173,6 +173,7 @@ SCRIPT_TESTS = \
 	tests/http/test_requests.py \
 	tests/http/test_scenes.py \
 	tests/http/test_streams.py \
+	tests/http/test_updates.py \
 	tests/render/test_cryptomatte_node.py \
 	tests/render/test_exr_readers.py \
 	tests/render/test_peers.py \
