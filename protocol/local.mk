@@ -39,6 +39,7 @@ libglint_a_SOURCES = \
 	protocol/scene.h \
 	protocol/scene_animation.c \
 	protocol/scene_asset.c \
+	protocol/scene_box.c \
 	protocol/scene_complete.c \
 	protocol/scene_fields.c \
 	protocol/scene_hashes.c \

@@ -2,91 +2,12 @@
 #include "protocol/scene_parts.h"
 
 #include <math.h>
-#include <string.h>
 
 #define NEAREST_FOCUS 1e-9 // metres, within what a camera may have
 
-struct box {
-    double low[3], high[3];
-    bool any;
-};
-
-static void include(struct box *b, const double p[3])
-{
-    for (int k = 0; k < 3; k++) {
-        b->low[k] = b->any ? fmin(b->low[k], p[k]) : p[k];
-        b->high[k] = b->any ? fmax(b->high[k], p[k]) : p[k];
-    }
-    b->any = true;
-}
-
-static void include_corners(struct box *b, const float bounds[6], const double m[16])
-{
-    for (int corner = 0; corner < 8; corner++) {
-        double world[3];
-        for (int k = 0; k < 3; k++) {
-            world[k] = m[12 + k];
-            for (int i = 0; i < 3; i++)
-                world[k] += m[4 * i + k] * bounds[corner >> i & 1 ? 3 + i : i];
-        }
-        include(b, world);
-    }
-}
-
-// What all joints make of the box holds what any mixture of them makes of it.
-static void include_skinned(struct box *b, const float bounds[6], const struct glint_skin *skin,
-                            double (*node)[16], const float after[16])
-{
-    for (uint32_t j = 0; j < skin->joints; j++) {
-        double joint[16], world[16], wide[16];
-        for (int k = 0; k < 16; k++)
-            wide[k] = after[k];
-        glint_transform_product(joint, node[skin->joint[j]], skin->inverse_bind + 16 * (size_t)j);
-        glint_transform_chain(world, wide, joint);
-        include_corners(b, bounds, world);
-    }
-}
-
-static void include_instance(struct box *b, const struct glint_scene *s, double (*node)[16],
-                             const float bounds[6], const struct glint_instance *in)
-{
-    static const double none[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    double world[16];
-    if (in->skin != GLINT_NONE) {
-        include_skinned(b, bounds, &s->skin[in->skin], node, in->transform);
-        return;
-    }
-    glint_transform_product(world, in->node == GLINT_NONE ? none : node[in->node], in->transform);
-    include_corners(b, bounds, world);
-}
-
-static void mesh_bounds(const struct glint_mesh *m, float bounds[6])
-{
-    if (m->checked) {
-        memcpy(bounds, m->low, sizeof m->low);
-        memcpy(bounds + 3, m->high, sizeof m->high);
-    } else {
-        glint_mesh_box(m, bounds, bounds + 3);
-    }
-}
-
-static bool scene_box(const struct glint_scene *s, struct box *b, struct glint_arena *scratch)
-{
-    float(*bounds)[6] = glint_arena_array(scratch, s->meshes, sizeof *bounds);
-    double(*node)[16] = glint_nodes_world(s, scratch);
-    if (!bounds || !node)
-        return false;
-    for (uint32_t i = 0; i < s->meshes; i++)
-        mesh_bounds(&s->mesh[i], bounds[i]);
-    for (uint32_t i = 0; i < s->instances; i++)
-        if (s->instance[i].visible)
-            include_instance(b, s, node, bounds[s->instance[i].mesh], &s->instance[i]);
-    return true;
-}
-
 // Looks at the middle from the front, a little from above and the right; the sphere around the box
 // just fits into the field of view. The rows of `axis` are right, up and back.
-static void frame_box(struct glint_camera *c, const struct box *b)
+static void frame_box(struct glint_camera *c, const double low[3], const double high[3])
 {
     static const double back[3] = {0.4, 0.3, 0.8660254037844386}; // unit
     const double flat = hypot(back[0], back[2]);
@@ -96,9 +17,9 @@ static void frame_box(struct glint_camera *c, const struct box *b)
         {back[0], back[1], back[2]},
     };
     double middle[3] = {0, 0, 0}, radius = 0;
-    for (int k = 0; b->any && k < 3; k++) {
-        middle[k] = 0.5 * (b->low[k] + b->high[k]);
-        radius = hypot(radius, 0.5 * (b->high[k] - b->low[k]));
+    for (int k = 0; k < 3; k++) {
+        middle[k] = 0.5 * (low[k] + high[k]);
+        radius = hypot(radius, 0.5 * (high[k] - low[k]));
     }
     const double distance = (radius > 0 ? radius : 1) / sin(0.5 * GLINT_DEFAULT_YFOV);
     for (int k = 0; k < 3; k++) {
@@ -111,16 +32,14 @@ static void frame_box(struct glint_camera *c, const struct box *b)
 
 static bool add_camera(struct glint_scene *s)
 {
-    struct box b = {.any = false};
-    struct glint_arena scratch = {0};
+    double low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
+    bool any;
     struct glint_camera *c = glint_arena_alloc(&s->arena, sizeof *c);
-    const bool fine = c && scene_box(s, &b, &scratch);
-    glint_arena_finish(&scratch);
-    if (!fine)
+    if (!c || !glint_scene_box(s, low, high, &any))
         return false;
     glint_camera_init(c);
     c->id = c->name = glint_arena_string(&s->arena, "camera");
-    frame_box(c, &b);
+    frame_box(c, low, high);
     if (!c->id)
         return false;
     s->camera = c;

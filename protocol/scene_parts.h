@@ -137,6 +137,8 @@ extern const float glint_identity[16];
 bool glint_transform_read(const struct glint_json *at, float out[16]);
 // The same into a node, which remembers how it was said.
 bool glint_transform_read_node(const struct glint_json *at, struct glint_node *node);
+void glint_transform_compose(const float translation[3], const float rotation[4],
+                             const float scale[3], float m[16]);
 bool glint_transform_affine(float m[16]); // and makes the last row exact
 bool glint_transform_invertible(const double m[16]);
 // Makes the axes unit and orthogonal (z kept, then y), unless they are within rounding.
@@ -161,6 +163,12 @@ bool glint_nodes_order(const struct glint_scene *scene, struct glint_arena *aren
                        struct glint_node_order *out);
 // Node to world at rest, of each; NULL without memory.
 double (*glint_nodes_world(const struct glint_scene *scene, struct glint_arena *arena))[16];
+
+// ---- where everything is (scene_box.c)
+
+// Around what is visible at rest and where each channel of an animation takes it by itself; skinned
+// meshes at rest. *any: false for nothing. False without memory.
+bool glint_scene_box(const struct glint_scene *scene, double low[3], double high[3], bool *any);
 
 // ---- what moves (scene_reach.c)
 

@@ -102,13 +102,14 @@ static bool read_parts(const struct glint_json *at, struct parts *p)
     return fine;
 }
 
-static void compose_parts(const struct parts *p, float m[16])
+void glint_transform_compose(const float translation[3], const float rotation[4],
+                             const float scale[3], float m[16])
 {
     double q[4];
-    const double length = length4(p->rotation);
+    const double length = length4(rotation);
     for (int k = 0; k < 4; k++)
-        q[k] = p->rotation[k] / length;
-    compose(m, p->translation, q, p->scale);
+        q[k] = rotation[k] / length;
+    compose(m, translation, q, scale);
 }
 
 static bool check(const struct glint_json *at, float m[16])
@@ -128,7 +129,7 @@ static bool read_either(const struct glint_json *at, float m[16], struct parts *
     if (*whole ? !glint_json_floats(at, 16, -far, far, m) : !read_parts(at, p))
         return false;
     if (!*whole)
-        compose_parts(p, m);
+        glint_transform_compose(p->translation, p->rotation, p->scale, m);
     return check(at, m);
 }
 
@@ -169,7 +170,7 @@ bool glint_transform_read_node(const struct glint_json *at, struct glint_node *n
     memcpy(node->translation, parts.translation, sizeof parts.translation);
     memcpy(node->rotation, parts.rotation, sizeof parts.rotation);
     memcpy(node->scale, parts.scale, sizeof parts.scale);
-    compose_parts(&parts, node->transform);
+    glint_transform_compose(parts.translation, parts.rotation, parts.scale, node->transform);
     return true;
 }
 

@@ -640,6 +640,32 @@ static void colours_become_linear_fractions_with_opacity(void **state)
     glint_scene_destroy(&s);
 }
 
+// --- the camera that is added
+
+// Of a square that moves away from where it rests.
+static void the_added_camera_sees_where_animations_take_things(void **state)
+{
+    (void)state;
+    struct glint_scene *s =
+        gltf_moving(CHANNEL("'node':0,'path':'translation'", "'input':4,'output':5"));
+    assert_int_equal(glint_scene_complete_file(s, NULL), GLINT_OK);
+    assert_int_equal(s->cameras, 1);
+    const float *c = s->camera[0].transform;
+    const float slope = tanf(0.5f * s->camera[0].yfov);
+    for (int key = 0; key < 3; key++)
+        for (int v = 0; v < 4; v++) {
+            float view[3] = {0, 0, 0};
+            for (int k = 0; k < 3; k++) {
+                const float p =
+                    gltf_moving_data.move[key][k] + gltf_moving_data.quad.position[3 * v + k];
+                for (int axis = 0; axis < 3; axis++)
+                    view[axis] += (p - c[12 + k]) * c[4 * axis + k];
+            }
+            assert_true(fabsf(view[0]) < -slope * view[2] && fabsf(view[1]) < -slope * view[2]);
+        }
+    glint_scene_destroy(&s);
+}
+
 // --- the native form
 
 static void free_assets(struct glint_asset *asset, size_t assets)
@@ -718,6 +744,7 @@ int main(void)
         cmocka_unit_test(faults_of_copies_are_named),
         cmocka_unit_test(copies_out_of_nothing_are_refused),
         cmocka_unit_test(colours_become_linear_fractions_with_opacity),
+        cmocka_unit_test(the_added_camera_sees_where_animations_take_things),
         cmocka_unit_test(what_is_imported_survives_the_native_form),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
