@@ -13,8 +13,8 @@
 // pdf, keep (of members) and share are floats. Probabilities are those that the rounded tables
 // really have.
 //
-// Of eight lights chosen so, one is kept in proportion to the unshadowed light that it brings
-// (resampled importance sampling, Talbot et al. 2005). MIS weighs by the density of the eight, which
+// Of sixteen lights chosen so, one is kept in proportion to the unshadowed light that it brings
+// (resampled importance sampling, Talbot et al. 2005). MIS weighs by the density of the sixteen, which
 // is a function of the direction alone: any such weight is unbiased.
 #ifndef GK_LIGHT_GRID_H
 #define GK_LIGHT_GRID_H
@@ -126,7 +126,7 @@ struct gk_light_numbers {
     gk_f32 choice, keep; // cluster
     gk_f32 place, other; // light in it
     gk_f32 u, v;         // point on it
-    gk_f32 pick;         // one of eight
+    gk_f32 pick;         // one of sixteen
 };
 
 // Candidates seen so far: the one that is kept, and the sum of what all of them promise.
@@ -156,7 +156,7 @@ GK_INLINE struct gk_light_fold gk_grid_fold(struct gk_light_fold f, const struct
     n.promise = take ? promise : f.promise;
     n.sum = sum;
     const gk_f32 rest = take ? at / promise : (at - promise) / gk_max(f.sum, 1e-37f);
-    n.u = gk_clamp(rest, 0.0f, 1.0f - GK_UNIT);
+    n.u = sum > 0.0f ? gk_clamp(rest, 0.0f, 1.0f - GK_UNIT) : f.u;
     return n;
 }
 
@@ -168,16 +168,24 @@ GK_INLINE struct gk_light_sample gk_light_from_grid(const struct gk_light_grid *
 {
     struct gk_light_fold f = {{0u, 0.0f}, 0.0f, 0.0f, r->pick};
     f = gk_grid_fold(f, g, light, to, share, r, 0.0f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.0625f);
     f = gk_grid_fold(f, g, light, to, share, r, 0.125f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.1875f);
     f = gk_grid_fold(f, g, light, to, share, r, 0.25f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.3125f);
     f = gk_grid_fold(f, g, light, to, share, r, 0.375f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.4375f);
     f = gk_grid_fold(f, g, light, to, share, r, 0.5f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.5625f);
     f = gk_grid_fold(f, g, light, to, share, r, 0.625f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.6875f);
     f = gk_grid_fold(f, g, light, to, share, r, 0.75f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.8125f);
     f = gk_grid_fold(f, g, light, to, share, r, 0.875f);
+    f = gk_grid_fold(f, g, light, to, share, r, 0.9375f);
     struct gk_light_sample s =
         gk_light_from_table(light + f.pick.light, to->keys, to->x, f.pick.choice, r->u, r->v);
-    s.L = gk_scale(s.L, f.promise > 0.0f ? 0.125f * (f.sum / f.promise) : 0.0f);
+    s.L = gk_scale(s.L, f.promise > 0.0f ? 0.0625f * (f.sum / f.promise) : 0.0f);
     return s;
 }
 

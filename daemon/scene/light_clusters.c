@@ -17,18 +17,28 @@ static void add(struct glint_shine *to, const struct glint_shine *s)
         to->quadric[k] += s->quadric[k];
 }
 
-// Intensity c0 + c1 (axis.w) + c2 (3 (axis.w)^2 - 1) / 2.
-static void zonal(struct glint_shine *s, const double axis[3], const double c[3])
+// A lobe that no sum of lobes cancels: intensity full ((axis.w + 0.6) / 1.6)^2, near to a clamped
+// cosine and nowhere negative.
+static void lobe(struct glint_shine *s, const double axis[3], double full)
 {
     static const int row[6] = {0, 1, 2, 0, 0, 1}, column[6] = {0, 1, 2, 1, 2, 2};
-    s->mean = c[0];
+    const double scale = full / (1.6 * 1.6);
+    s->mean = scale * (0.36 + 1.0 / 3.0);
     for (int k = 0; k < 3; k++)
-        s->linear[k] = c[1] * axis[k];
+        s->linear[k] = scale * 1.2 * axis[k];
     for (int k = 0; k < 6; k++)
-        s->quadric[k] = c[2] * (1.5 * axis[row[k]] * axis[column[k]] - (k < 3 ? 0.5 : 0.0));
+        s->quadric[k] = scale * (axis[row[k]] * axis[column[k]] - (k < 3 ? 1.0 / 3.0 : 0.0));
 }
 
-// A Lambertian emitter of intensity `full` along its normal: max(0, cos), or |cos| of two sides.
+// |axis.w|, likewise from above: full (1 + 2 (axis.w)^2) / 3.
+static void two_lobes(struct glint_shine *s, const double axis[3], double full)
+{
+    lobe(s, axis, full * 1.6 * 1.6 * 2.0 / 3.0);
+    s->mean = full * (1.0 + 2.0 / 3.0) / 3.0;
+    for (int k = 0; k < 3; k++)
+        s->linear[k] = 0.0;
+}
+
 static void shine_of_triangle(struct glint_shine *s, const struct gk_light *l, double power,
                               double at[3])
 {
@@ -41,29 +51,28 @@ static void shine_of_triangle(struct glint_shine *s, const struct gk_light *l, d
     const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     for (int k = 0; k < 3; k++)
         n[k] = length > 0.0 ? n[k] / length : 0.0;
-    const bool two_sided = l->kind >> 4;
-    const double full = power / (two_sided ? 2.0 * M_PI : M_PI);
-    const double one[3] = {0.25 * full, 0.5 * full, 0.3125 * full};
-    const double both[3] = {0.5 * full, 0.0, 0.625 * full};
-    zonal(s, n, two_sided ? both : one);
+    if (l->kind >> 4)
+        two_lobes(s, n, power / (2.0 * M_PI));
+    else
+        lobe(s, n, power / M_PI);
 }
 
-// A cone of one intensity whose power is the light's; the whole sphere: a point.
+// A beam is seen from few places, and there it is bright: between its mean and its peak.
 static void shine_of_point(struct glint_shine *s, const struct gk_light *l, double power)
 {
-    const double x = fmax(l->b[0], -1.0); // cosine of the outer cone
+    const double share = 0.5 * (1.0 - fmax(l->b[0], -1.0)); // of the sphere
     const double axis[3] = {l->a[0], l->a[1], l->a[2]};
-    const double inside = power / (2.0 * M_PI * fmax(1.0 - x, 1e-6));
-    const double c[3] = {0.5 * inside * (1.0 - x), 0.75 * inside * (1.0 - x * x),
-                         1.25 * inside * (x - x * x * x)};
-    zonal(s, axis, c);
+    if (share >= 1.0)
+        s->mean = power / (4.0 * M_PI);
+    else
+        lobe(s, axis, power / (4.0 * M_PI * pow(fmax(share, 1e-6), 0.75)));
 }
 
 struct glint_shine glint_light_shine(const struct gk_light *l, double power)
 {
     struct glint_shine s = {.power = power};
     double at[3] = {l->p[0], l->p[1], l->p[2]};
-    const uint32_t kind = l->kind & 15u;
+    const uint32_t kind = l->kind & GK_LIGHT_KIND;
     if (kind == GK_LIGHT_SUN) {
         s.sun = s.power = 0.2126 * l->L[0] + 0.7152 * l->L[1] + 0.0722 * l->L[2];
         return s;
@@ -95,9 +104,9 @@ static double spread(const struct glint_shine *s, double scale)
         mean += s->moment[k] * s->moment[k];
         turn += s->linear[k] * s->linear[k];
     }
-    const double scatter = s->mean > 0.0 ? fmax(4.0 - turn / (s->mean * s->mean), 0.0) : 0.0;
+    const double scatter = s->mean > 0.0 ? fmax(1.0 - turn / (3.0 * s->mean * s->mean), 0.0) : 0.0;
     square = fmax(square - mean / (s->power * s->power), 0.0);
-    return s->power * (square + 0.25 * scatter * scale * scale);
+    return s->power * (square + scatter * scale * scale);
 }
 
 // Coordinates that lights are split by: position, and direction as far as they have one.
@@ -105,7 +114,7 @@ static double coordinate(const struct glint_shine *s, int axis, double scale)
 {
     if (axis < 3)
         return s->moment[axis] / s->power;
-    return s->mean > 0.0 ? scale * s->linear[axis - 3] / (2.0 * s->mean) : 0.0;
+    return s->mean > 0.0 ? scale * s->linear[axis - 3] / (1.7 * s->mean) : 0.0;
 }
 
 // The axis along which the cluster's lights vary most, and their mean on it.
@@ -196,14 +205,16 @@ uint32_t glint_light_clusters(struct glint_cluster *out, uint32_t most, uint32_t
     // Half of how far they spread: opposite directions count as much as opposite walls.
     const double scale = all.count > 1 ? 0.5 * sqrt(fmax(all.loss, 0.0) / all.shine.power) : 1.0;
     uint32_t clusters = 0;
+    for (; n <= most && clusters < n; clusters++)
+        out[clusters] = cluster_of(order, clusters, 1, shine, scale);
+    if (n <= most)
+        return n; // each light has its own
     if (near)
         out[clusters++] = cluster_of(order, 0, near, shine, scale);
     if (near < n)
         out[clusters++] = cluster_of(order, near, n - near, shine, scale);
     while (clusters < most) {
         struct glint_cluster *worst = worst_of(out, clusters);
-        if (worst->loss < 0.0)
-            break; // each light has its own
         const struct glint_cluster c = *worst;
         const uint32_t low = part(&c, order, shine, scale);
         *worst = cluster_of(order, c.first, low, shine, scale);

@@ -1,7 +1,7 @@
 // light_clusters.h - groups of lights that shine alike, and what a group sends where.
 //
-// The intensity of a light over directions is kept to second order in spherical harmonics, where a
-// clamped cosine is within a few hundredths (Ramamoorthi and Hanrahan 2001): such intensities add up.
+// The intensity of a light over directions is taken for a quadratic polynomial of the direction
+// (compare Ramamoorthi and Hanrahan 2001), nowhere negative: such intensities add up.
 #ifndef GLINT_SCENE_LIGHT_CLUSTERS_H
 #define GLINT_SCENE_LIGHT_CLUSTERS_H
 

@@ -7,8 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CLUSTERS 256u
-#define ENTRIES (1u << 17) // cells times clusters
+#define CLUSTERS 2048u
+#define ENTRIES (1u << 20) // cells times clusters
+#define CELLS 1024u
 #define MAX_SIDE 32u
 
 // Share of the choice that goes by power alone: what the estimate of a cell calls dark is still
@@ -36,9 +37,10 @@ struct build {
 
 // ---- the box and its cells
 
+// Around the lights, as far as there is something to be lit.
 static void box_of_lights(struct build *b)
 {
-    const struct glint_light_grid_order *o = b->order;
+    const double *half = b->order->half;
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (uint32_t i = 0; i < b->members; i++) {
         const struct glint_shine *s = &b->shine[b->by_cluster[i]];
@@ -47,16 +49,16 @@ static void box_of_lights(struct build *b)
             high[k] = fmax(high[k], s->moment[k] / s->power);
         }
     }
-    double widest = 0.0;
-    for (int k = 0; k < 3; k++)
-        widest = fmax(widest, high[k] - low[k]);
-    // Around the lights, as far as there is something to be lit.
-    const double margin = 0.25 * widest + 0.02 * o->radius, radius = fmax(o->radius, widest);
+    double widest = 0.0, room = 0.0;
     for (int k = 0; k < 3; k++) {
-        low[k] = low[k] <= high[k] ? fmax(low[k] - margin, fmin(-radius, low[k])) : -radius;
-        high[k] = low[k] <= high[k] ? fmin(high[k] + margin, fmax(radius, high[k])) : radius;
-        b->low[k] = low[k];
-        b->size[k] = high[k] - low[k];
+        widest = fmax(widest, high[k] - low[k]);
+        room = fmax(room, half[k]);
+    }
+    const double margin = 0.25 * widest + 0.02 * room;
+    for (int k = 0; k < 3; k++) {
+        const bool any = low[k] <= high[k]; // else they are all suns
+        b->low[k] = any ? fmax(low[k] - margin, fmin(-half[k], low[k])) : -half[k];
+        b->size[k] = (any ? fmin(high[k] + margin, fmax(half[k], high[k])) : half[k]) - b->low[k];
     }
 }
 
@@ -305,7 +307,7 @@ glint_status glint_light_grid_build(uint32_t **words, size_t *count,
         tabulate(b);
         defend(b);
         box_of_lights(b);
-        divide(b, ENTRIES / b->clusters);
+        divide(b, ENTRIES / b->clusters < CELLS ? ENTRIES / b->clusters : CELLS);
         *count = lay_out(b);
         b->word = calloc(*count, sizeof *b->word);
         st = b->word ? fill(b, err)

@@ -2,15 +2,15 @@
 #ifndef GLINT_SCENE_LIGHT_GRID_H
 #define GLINT_SCENE_LIGHT_GRID_H
 
+#include "kernels/gk_scene.h"
 #include "protocol/status.h"
 #include "scene/resident.h"
-#include "kernels/gk_scene.h"
 
 struct glint_light_grid_order {
     const struct gk_light *light; // [lights]
     const double *power;          // [lights], >= 0: how often the power table takes each
     uint32_t lights;
-    double radius; // of the scene around its centre; nothing lies outside
+    const double *half; // [3] of the scene's box, whose middle is the origin
 };
 
 // From how many emitters on a grid pays.
