@@ -313,6 +313,167 @@ static void live_jobs_show_what_batch_jobs_show(void **state)
     glint_resident_release(&r);
 }
 
+// ---- poses
+
+#define KEYS 3u
+
+// The ball turns and travels, the cube is bent; everything else stands still.
+struct moves {
+    struct glint_pose pose;
+    struct glint_pose_instance instance[4];
+    struct glint_pose_placement light[1], camera[1];
+    double ball[KEYS][16];
+    float *cube; // [KEYS][vertices][3]
+};
+
+static uint32_t instance_of(const struct glint_scene *s, const char *id)
+{
+    uint32_t i = 0;
+    while (strcmp(s->instance[i].id, id) != 0)
+        i++;
+    return i;
+}
+
+static void init_moves(struct moves *m, const struct glint_scene *s, uint32_t keys)
+{
+    const uint32_t ball = instance_of(s, "ball"), cube = instance_of(s, "cube");
+    const struct glint_mesh *mesh = &s->mesh[s->instance[cube].mesh];
+    memset(m, 0, sizeof *m);
+    atomic_init(&m->pose.references, 8); // never freed by those who let go
+    m->pose.request = glint_pose_rest();
+    m->pose.keys = keys;
+    m->pose.instances = s->instances;
+    m->pose.instance = m->instance;
+    m->pose.light = m->light;
+    m->pose.camera = m->camera;
+    m->cube = calloc((size_t)KEYS * mesh->vertices, 12);
+    assert_true(s->instances == 4 && m->cube);
+    for (uint32_t k = 0; k < KEYS; k++) {
+        glint_pose_instance_at(NULL, s, ball, 0, m->ball[k]);
+        const double c = cos(0.2 * k), w = sin(0.2 * k);
+        const double turn[12] = {1.5 * c, w, 0, 0, -w, c, 0, 0, 0, 0, 1, 0};
+        memcpy(m->ball[k], turn, sizeof turn);
+        m->ball[k][12] += 0.3 * k;
+        for (uint32_t v = 0; v < mesh->vertices; v++)
+            for (int i = 0; i < 3; i++) {
+                const float *p = mesh->position + 3 * (size_t)v;
+                m->cube[3 * ((size_t)k * mesh->vertices + v) + i] =
+                    p[i] + (i == 0 ? 0.4f * (float)(k * k) * p[1] : 0.0f);
+            }
+    }
+    m->instance[ball] =
+        (struct glint_pose_instance){.moves = keys > 1, .transform = &m->ball[0][0]};
+    m->instance[cube] = (struct glint_pose_instance){
+        .deforms = true, .bends = keys > 1, .position = m->cube, .normal = (float *)mesh->normal};
+}
+
+// What is at time t becomes the first key.
+static void stop_at(struct moves *m, const struct glint_scene *s, double t)
+{
+    const struct glint_mesh *mesh = &s->mesh[s->instance[instance_of(s, "cube")].mesh];
+    const uint32_t k = t < 0.5 ? 0 : 1;
+    const double along = 2.0 * t - k;
+    const size_t n = 3 * (size_t)mesh->vertices;
+    for (int i = 0; i < 16; i++)
+        m->ball[0][i] = m->ball[k][i] * (1 - along) + m->ball[k + 1][i] * along;
+    for (size_t i = 0; i < n; i++)
+        m->cube[i] = (float)(m->cube[k * n + i] * (1 - along) + m->cube[(k + 1) * n + i] * along);
+}
+
+static glint_resident *posed(const struct moves *m, const glint_resident *rest)
+{
+    struct glint_error err = {0};
+    glint_resident *r = NULL;
+    struct glint_scene *scene = (struct glint_scene *)glint_resident_scene(rest);
+    if (glint_resident_create(
+            &r, o.devices,
+            &(struct glint_resident_order){.scene = scene, .pose = &m->pose, .from = rest}, &err))
+        offline_die("pose", &err);
+    return r;
+}
+
+// Rays that meet something else, or elsewhere.
+static unsigned compare_at(const glint_resident *moving, const glint_resident *still,
+                           enum glint_geometry_kind kind, double time)
+{
+    static struct beam a, b;
+    struct glint_error err = {0};
+    const struct glint_geometry *g, *h;
+    uint64_t seed = 11;
+    unsigned others = 0;
+    assert_int_equal(glint_resident_geometry((glint_resident *)moving, kind, false, &g, &err),
+                     GLINT_OK);
+    assert_int_equal(
+        glint_resident_geometry((glint_resident *)still, GLINT_GEOMETRY_FLAT, false, &h, &err),
+        GLINT_OK);
+    for (int wave = 0; wave < 5; wave++) {
+        aim(&a, &seed);
+        for (uint32_t i = 0; i < RAYS; i++)
+            a.wave[GK_COL_TIME][i] = (float)time;
+        b = a;
+        glint_geometry_trace_wave(g, &a.wave[0][0], RAYS, RAYS);
+        glint_geometry_trace_wave(h, &b.wave[0][0], RAYS, RAYS);
+        for (uint32_t i = 0; i < RAYS; i++)
+            others +=
+                !same_hit(&a, &b, i) || (a.wave[GK_COL_T][i] < INFINITY &&
+                                         fabsf(a.wave[GK_COL_T][i] - b.wave[GK_COL_T][i]) > 1e-4f);
+    }
+    return others;
+}
+
+static void what_moves_is_hit_where_it_is_at_the_ray_s_time(void **state)
+{
+    (void)state;
+    static const double time[] = {0.0, 0.2, 0.5, 0.85, 1.0};
+    struct moves moving, stopped;
+    glint_resident *rest = load(text_of(&base, 0.5f), NULL);
+    const struct glint_scene *s = glint_resident_scene(rest);
+    init_moves(&moving, s, KEYS);
+    glint_resident *r = posed(&moving, rest);
+    assert_int_equal(glint_resident_segments(r), KEYS - 1);
+    assert_true(glint_resident_facts(r)->motion);
+    for (size_t i = 0; i < sizeof time / sizeof *time; i++) {
+        init_moves(&stopped, s, 1);
+        stop_at(&stopped, s, time[i]);
+        glint_resident *still = posed(&stopped, rest);
+        const unsigned flat = compare_at(r, still, GLINT_GEOMETRY_FLAT, time[i]);
+        const unsigned placed = compare_at(r, still, GLINT_GEOMETRY_PLACED, time[i]);
+        print_message("# at %.2f: %u and %u of %u rays differ\n", time[i], flat, placed, 5 * RAYS);
+        assert_true(flat <= 5 * RAYS / 2000 && placed <= 5 * RAYS / 2000);
+        glint_resident_release(&still);
+        free(stopped.cube);
+    }
+    glint_resident_release(&r);
+    glint_resident_release(&rest);
+    free(moving.cube);
+}
+
+static void a_rigid_pose_shares_all_records_of_triangles(void **state)
+{
+    (void)state;
+    struct moves m;
+    glint_resident *rest = load(text_of(&base, 0.5f), NULL);
+    const struct glint_scene *s = glint_resident_scene(rest);
+    init_moves(&m, s, KEYS);
+    m.instance[instance_of(s, "cube")] = (struct glint_pose_instance){0};
+    glint_resident *r = posed(&m, rest);
+    assert_int_equal(made(r), PART(INSTANCES));
+    for (int t = 0; t < GLINT_TABLES; t++)
+        if (t < GLINT_TABLE_INSTANCES || t > GLINT_TABLE_FLOWS)
+            assert_ptr_equal(glint_resident_table(r, t), glint_resident_table(rest, t));
+    const uint32_t ball = instance_of(s, "ball");
+    const struct gk_instance *row =
+        glint_buffer_host(glint_resident_table(r, GLINT_TABLE_INSTANCES));
+    const struct gk_mover *mover = glint_buffer_host(glint_resident_table(r, GLINT_TABLE_MOVERS));
+    for (uint32_t i = 0; i < s->instances; i++)
+        assert_int_equal(row[i].mover, i == ball ? 0 : GK_NONE);
+    assert_int_equal(mover[0].turn, 0);
+    assert_int_equal(mover[0].stride, 0);
+    glint_resident_release(&rest);
+    glint_resident_release(&r);
+    free(m.cube);
+}
+
 // ---- transforms that are no rotations
 
 // A leaf, as it is or as another would be under m (row-major 3x3), with the inverse transpose of m
@@ -453,6 +614,8 @@ int main(void)
         cmocka_unit_test(the_sky_is_a_constant_of_frames),
         cmocka_unit_test(placed_meshes_are_hit_where_baked_ones_are),
         cmocka_unit_test(live_jobs_show_what_batch_jobs_show),
+        cmocka_unit_test(what_moves_is_hit_where_it_is_at_the_ray_s_time),
+        cmocka_unit_test(a_rigid_pose_shares_all_records_of_triangles),
         cmocka_unit_test(transforms_do_what_transformed_meshes_do),
         cmocka_unit_test(placed_balls_far_from_their_own_origin_are_dark_inside),
     };
