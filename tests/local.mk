@@ -21,7 +21,6 @@ UNIT_TESTS = \
 	tests/render/test_effects \
 	tests/render/test_features \
 	tests/render/test_flow \
-	tests/render/test_many_lights \
 	tests/render/test_matte_names \
 	tests/render/test_mattes \
 	tests/render/test_motion \
@@ -33,6 +32,7 @@ UNIT_TESTS = \
 	tests/unit/test_data_uri \
 	tests/unit/test_device \
 	tests/unit/test_dials \
+	tests/unit/test_edit \
 	tests/unit/test_exr \
 	tests/unit/test_film \
 	tests/unit/test_folders \
@@ -49,6 +49,7 @@ UNIT_TESTS = \
 	tests/unit/test_job \
 	tests/unit/test_jobs \
 	tests/unit/test_json \
+	tests/unit/test_live \
 	tests/unit/test_log \
 	tests/unit/test_metrics \
 	tests/unit/test_multipart \
@@ -59,6 +60,7 @@ UNIT_TESTS = \
 	tests/unit/test_queue \
 	tests/unit/test_range \
 	tests/unit/test_scene \
+	tests/unit/test_scene_extremes \
 	tests/unit/test_scene_material \
 	tests/unit/test_scene_mesh \
 	tests/unit/test_scene_mutated \
@@ -102,7 +104,6 @@ moving = tests/render/moving.c tests/render/moving.h $(stable)
 tests_render_test_flow_SOURCES = tests/render/test_flow.c $(moving)
 tests_render_test_motion_SOURCES = tests/render/test_motion.c $(moving)
 tests_render_test_features_SOURCES = tests/render/test_features.c $(stable)
-tests_render_test_many_lights_SOURCES = tests/render/test_many_lights.c $(stable)
 tests_render_test_resident_SOURCES = tests/render/test_resident.c $(stable)
 tests_stability_test_degenerate_SOURCES = tests/stability/test_degenerate.c $(stable)
 tests_stability_test_demo_SOURCES = tests/stability/test_demo.c $(stable)
@@ -140,11 +141,13 @@ tests_unit_test_import_gltf_scene_SOURCES = tests/unit/test_import_gltf_scene.c 
 tests_unit_test_import_gltf_time_SOURCES = tests/unit/test_import_gltf_time.c \
 	tests/unit/gltf_moving.c tests/unit/gltf_moving.h $(gltf_expect)
 tests_unit_test_jobs_SOURCES = tests/unit/test_jobs.c $(jobs_fixture)
+tests_unit_test_live_SOURCES = tests/unit/test_live.c $(jobs_fixture)
 pose_scene = tests/unit/pose_scene.c tests/unit/pose_scene.h
 tests_unit_test_pose_SOURCES = tests/unit/test_pose.c $(pose_scene)
 tests_unit_test_pose_deform_SOURCES = tests/unit/test_pose_deform.c $(pose_scene)
 scene_text = tests/unit/scene_text.c tests/unit/scene_text.h
 tests_unit_test_scene_SOURCES = tests/unit/test_scene.c $(scene_text)
+tests_unit_test_scene_extremes_SOURCES = tests/unit/test_scene_extremes.c $(scene_text)
 tests_unit_test_scene_material_SOURCES = tests/unit/test_scene_material.c $(scene_text)
 tests_unit_test_scene_mesh_SOURCES = tests/unit/test_scene_mesh.c $(scene_text)
 tests_unit_test_scene_mutated_SOURCES = tests/unit/test_scene_mutated.c $(scene_text)
