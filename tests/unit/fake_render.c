@@ -348,6 +348,7 @@ glint_status glint_render_move(glint_view **out, glint_render *r, struct glint_r
     lock();
     must(r->job.live, "only a live job moves");
     moves++;
+    pthread_cond_broadcast(&changed);
     while (move_held)
         pthread_cond_wait(&changed, &mutex);
     const bool fails = behaviour[job->seed].fail_move;

@@ -82,14 +82,21 @@ glint_status glint_import_run(glint_importer *importer, const struct glint_impor
     return GLINT_OK;
 }
 
+// Of a fake import, or of what an edit made like one.
 void glint_import_destroy(struct glint_import **import)
 {
-    if (*import) {
-        free((*import)->text);
+    struct glint_import *im = *import;
+    *import = NULL;
+    if (!im)
+        return;
+    if (!im->memory) {
+        free(im->text);
         atomic_fetch_sub(&imports, 1);
     }
-    free(*import);
-    *import = NULL;
+    glint_asset_set_release(&im->set);
+    glint_memory_ref_release(&im->memory);
+    free(im->warning);
+    free(im);
 }
 
 glint_status glint_resident_create(glint_resident **out, glint_devices *devices,

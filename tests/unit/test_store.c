@@ -3,8 +3,10 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -323,9 +325,78 @@ static void threads_put_get_and_delete_at_once(void **state)
     finish(store);
 }
 
+static glint_status patch(glint_store *store, const char *text, const char *if_match,
+                          glint_revision **out, struct glint_patch_report *report)
+{
+    return glint_store_patch(store, "a", text, strlen(text), if_match, out, report, NULL);
+}
+
+static void a_patch_makes_a_revision_and_tells_of_it(void **state)
+{
+    (void)state;
+    glint_store *store = make();
+    glint_revision *old = put(store, "a", one), *new, *same;
+    struct glint_patch_report report;
+    assert_int_equal(patch(store, "{\"environment\": {\"radiance\": [2, 2, 2]}}",
+                           glint_revision_id(old), &new, &report),
+                     GLINT_OK);
+    assert_true(report.changed);
+    assert_string_not_equal(glint_revision_id(new), glint_revision_id(old));
+    assert_int_equal(patch(store, "{}", glint_revision_id(old), &same, &report), GLINT_E_STALE);
+    assert_int_equal(patch(store, "{}", NULL, &same, &report), GLINT_OK);
+    assert_false(report.changed);
+    assert_ptr_equal(same, new);
+    cJSON *changes = glint_patch_describe(&report);
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(changes, "kept")), GLINT_PARTS);
+    cJSON_Delete(changes);
+    drop(same);
+    drop(new);
+    drop(old);
+    finish(store);
+}
+
+#define PATCHES 24
+
+static void *patch_often(void *arg)
+{
+    glint_store *store = arg;
+    static atomic_int turn;
+    for (int i = 0; i < PATCHES; i++) {
+        char text[80];
+        glint_revision *revision;
+        struct glint_patch_report report;
+        snprintf(text, sizeof text, "{\"materials\": {\"m%d\": {}}}", atomic_fetch_add(&turn, 1));
+        assert_int_equal(patch(store, text, NULL, &revision, &report), GLINT_OK);
+        assert_true(report.changed);
+        drop(revision);
+    }
+    return NULL;
+}
+
+static void patches_of_several_threads_are_all_applied(void **state)
+{
+    (void)state;
+    glint_store *store = make();
+    pthread_t thread[3];
+    glint_revision *revision;
+    drop(put(store, "a", one));
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(glint_thread_start(&thread[i], "patch", patch_often, store, NULL),
+                         GLINT_OK);
+    for (int i = 0; i < 3; i++)
+        pthread_join(thread[i], NULL);
+    assert_int_equal(glint_store_get(store, "a", &revision, NULL), GLINT_OK);
+    assert_int_equal(glint_resident_scene(glint_revision_resident(revision))->materials,
+                     1 + 3 * PATCHES);
+    drop(revision);
+    finish(store);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_patch_makes_a_revision_and_tells_of_it),
+        cmocka_unit_test(patches_of_several_threads_are_all_applied),
         cmocka_unit_test(the_revision_is_the_hash_of_the_canonical_text),
         cmocka_unit_test(putting_says_whether_the_name_is_new),
         cmocka_unit_test(an_equal_scene_keeps_its_revision_and_is_not_built_twice),
