@@ -27,6 +27,7 @@ UNIT_TESTS = \
 	tests/render/test_resident \
 	tests/render/test_transport \
 	tests/unit/test_arena \
+	tests/unit/test_assets \
 	tests/unit/test_contract \
 	tests/unit/test_cryptomatte \
 	tests/unit/test_data_uri \
@@ -53,6 +54,8 @@ UNIT_TESTS = \
 	tests/unit/test_log \
 	tests/unit/test_metrics \
 	tests/unit/test_multipart \
+	tests/unit/test_obj \
+	tests/unit/test_ply \
 	tests/unit/test_png \
 	tests/unit/test_pose \
 	tests/unit/test_pose_deform \
@@ -71,6 +74,7 @@ UNIT_TESTS = \
 	tests/unit/test_scheduler \
 	tests/unit/test_schema \
 	tests/unit/test_status \
+	tests/unit/test_stl \
 	tests/unit/test_store
 
 # Hard cases: one program for each group of claims that must hold whatever the scene.
@@ -156,6 +160,9 @@ tests_unit_test_scene_time_SOURCES = tests/unit/test_scene_time.c $(scene_text)
 tests_unit_test_scene_trust_SOURCES = tests/unit/test_scene_trust.c $(scene_text)
 tests_unit_test_scene_write_SOURCES = tests/unit/test_scene_write.c $(scene_text)
 tests_unit_test_scheduler_SOURCES = tests/unit/test_scheduler.c $(jobs_fixture)
+tests_unit_test_obj_SOURCES = tests/unit/test_obj.c tests/unit/model_expect.h
+tests_unit_test_ply_SOURCES = tests/unit/test_ply.c tests/unit/model_expect.h
+tests_unit_test_stl_SOURCES = tests/unit/test_stl.c tests/unit/model_expect.h
 tests_unit_test_store_SOURCES = tests/unit/test_store.c tests/unit/fake_scene.c \
 	tests/unit/fake_scene.h
 tests_unit_test_http_SOURCES = tests/unit/test_http.c tests/unit/fake_house.c \

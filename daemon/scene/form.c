@@ -145,5 +145,5 @@ glint_status glint_form_read(struct glint_files *out, struct glint_arena *arena,
     out->file = glint_arena_array(arena, GLINT_MAX_FORM_FILES, sizeof *out->file);
     if (!out->file)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the files");
-    return read_parts(&f) ? GLINT_OK : err->status;
+    return read_parts(&f) ? GLINT_OK : GLINT_E_SYNTAX;
 }
