@@ -126,6 +126,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/edit.c \
 	daemon/scene/edit.h \
 	daemon/scene/environment.c \
+	daemon/scene/exr_read.cc \
+	daemon/scene/exr_read.h \
 	daemon/scene/facts.c \
 	daemon/scene/facts.h \
 	daemon/scene/files.c \
@@ -161,6 +163,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/gltf_textures.c \
 	daemon/scene/image_decode.c \
 	daemon/scene/image_decode.h \
+	daemon/scene/image_decode_exr.c \
 	daemon/scene/image_decode_hdr.c \
 	daemon/scene/image_decode_jpeg.c \
 	daemon/scene/image_decode_png.c \

@@ -41,6 +41,7 @@ UNIT_TESTS = \
 	tests/unit/test_frames \
 	tests/unit/test_http \
 	tests/unit/test_image_decode \
+	tests/unit/test_image_exr \
 	tests/unit/test_import \
 	tests/unit/test_import_answer \
 	tests/unit/test_import_gltf \

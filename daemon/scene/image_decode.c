@@ -38,10 +38,12 @@ glint_status glint_image_decode(struct glint_pixels *out, struct glint_arena *ar
         return glint_image_decode_jpeg(out, arena, bytes, size, pointer, err);
     if (starts(bytes, size, "#?", 2))
         return glint_image_decode_hdr(out, arena, bytes, size, pointer, err);
+    if (starts(bytes, size, "\x76\x2f\x31\x01", 4))
+        return glint_image_decode_exr(out, arena, bytes, size, pointer, err);
     if (starts(bytes, size, "RIFF", 4))
         return glint_fail(err, GLINT_E_RANGE, pointer, "the image is WebP, which is not read");
     if (starts(bytes, size, "\xabKTX", 4))
         return glint_fail(err, GLINT_E_RANGE, pointer, "the image is KTX, which is not read");
     return glint_fail(err, GLINT_E_RANGE, pointer,
-                      "the image of %zu bytes is not PNG, JPEG or Radiance", size);
+                      "the image of %zu bytes is not PNG, JPEG, Radiance or OpenEXR", size);
 }

@@ -1,8 +1,8 @@
-// image_decode.h - PNG, JPEG and Radiance pictures to the two pixel formats of a scene.
+// image_decode.h - PNG, JPEG, Radiance and OpenEXR pictures to the two pixel formats of a scene.
 //
 // The format is known by the file's first bytes. PNG and JPEG become RGBA8 in their own encoding
-// (colour profiles are not applied, 16-bit samples are rounded to 8), Radiance becomes linear
-// RGBA16F (values above 65504 are clamped).
+// (colour profiles are not applied, 16-bit samples are rounded to 8), Radiance and
+// OpenEXR become linear RGBA16F: what is above 65504, below 0 or no number is clamped to 0..65504.
 //
 // Thread-safety: reentrant.
 #ifndef GLINT_SCENE_IMAGE_DECODE_H
@@ -18,6 +18,7 @@ struct glint_pixels {
     enum glint_image_format format;
     void *pixels; // rows from top to bottom, no padding; in the arena that was given
     size_t bytes;
+    uint64_t clamped; // values of OpenEXR that were beyond what a picture of light can hold
 };
 
 // Sizes are checked before anything is allocated.
@@ -39,6 +40,10 @@ glint_status glint_image_decode_jpeg(struct glint_pixels *out, struct glint_aren
                                      const uint8_t *bytes, size_t size, const char *pointer,
                                      struct glint_error *err);
 glint_status glint_image_decode_hdr(struct glint_pixels *out, struct glint_arena *arena,
+                                    const uint8_t *bytes, size_t size, const char *pointer,
+                                    struct glint_error *err);
+
+glint_status glint_image_decode_exr(struct glint_pixels *out, struct glint_arena *arena,
                                     const uint8_t *bytes, size_t size, const char *pointer,
                                     struct glint_error *err);
 
