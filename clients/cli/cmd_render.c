@@ -186,9 +186,9 @@ const struct glint_command glint_command_render = {
     .name = "render",
     .operands = "[SCENE]",
     .summary = "Render a scene to an image",
-    .detail = "SCENE is a file (.glb, .gltf, .obj, .ply, .stl, .json), which is uploaded, or the\n"
-              "name of a scene that the daemon has. Where no daemon answers, a private one is\n"
-              "started for the time it takes.",
+    .detail = "SCENE is a file (.glb, .gltf, .obj, .ply, .stl, .json), which is uploaded, or\n"
+              "the name of a scene that the daemon has. Where no daemon answers, a private one\n"
+              "is started for the time it takes.",
     .options = glint_order_options,
     .most = 1,
     .run = run_render,

@@ -107,8 +107,8 @@ const struct glint_command glint_command_put = {
     .name = "put",
     .operands = "FILE",
     .summary = "Upload a scene, or replace it",
-    .detail = "FILE is .glb, .gltf or .obj (with the files that it names), .ply, .stl or native\n"
-              ".json.",
+    .detail = "FILE is .glb, .gltf or .obj (with the files that it names), .ply, .stl or\n"
+              "native .json.",
     .options = put_options,
     .least = 1,
     .most = 1,

@@ -54,7 +54,10 @@ def test_raw_requests_get_their_status_and_the_daemon_serves_on():
 
 def test_a_type_that_is_not_taken_is_answered_with_all_that_are():
     wanted = {
-        ("PUT", "/v1/scenes/a"): "model/gltf-binary, application/json, application/octet-stream",
+        ("PUT", "/v1/scenes/a"): "model/gltf-binary, model/gltf+json, model/obj, model/stl, "
+                                 "application/ply, application/json, multipart/form-data, "
+                                 "application/octet-stream",
+        ("PATCH", "/v1/scenes/a"): "application/merge-patch+json, application/json",
         ("POST", "/v1/jobs"): "application/json",
         ("PATCH", "/v1/jobs/a"): "application/merge-patch+json, application/json",
     }
