@@ -2,6 +2,10 @@
 // test_dialects.c and as OpenCL C by the device, which must answer the same bits.
 #define GK_MICROFACET 1
 #define GK_TRANSMISSION 1
+#define GK_MULTISCATTER 1
+#define GK_SPECULAR 1
+#define GK_CLEARCOAT 1
+#define GK_COLLIMATION 1
 
 #include "kernels/gk_bsdf.h"
 #include "kernels/gk_filter.h"
@@ -98,7 +102,21 @@ GK_INLINE struct gk_vec probe_direction(gk_u32 i, gk_u32 k)
     return gk_vec(r * c, r * s, z);
 }
 
-GK_INLINE void probe_bsdf(gk_u32 i, GK_GLOBAL gk_u32 *out)
+// The layers of row i: a quarter of the rows has none.
+GK_INLINE void probe_layers(gk_u32 i, struct gk_surface *s)
+{
+    const gk_i32 plain = (i & 12u) == 0u;
+    s->specular = plain ? 1.0f : probe_uniform(i, 20);
+    s->specular_color = gk_splat(plain ? 1.0f : 4.0f * probe_uniform(i, 21));
+    s->collimation = plain ? 1.0f : gk_saturate(2.0f * probe_uniform(i, 22));
+    s->coat.weight = plain ? 0.0f : gk_saturate(2.0f * probe_uniform(i, 23) - 0.5f);
+    s->coat.alpha = probe_uniform(i, 24) * probe_uniform(i, 24);
+    s->coat.frame = gk_onb_make(
+        gk_normalise(gk_vec(probe_uniform(i, 25) - 0.5f, probe_uniform(i, 26) - 0.5f, 1.0f)));
+}
+
+// energy: two parts of gk_energy.h.
+GK_INLINE void probe_bsdf(gk_u32 i, GK_GLOBAL gk_u32 *out, const GK_GLOBAL gk_f32 *energy)
 {
     struct gk_surface s;
     struct gk_vec wo = probe_direction(i, 1);
@@ -110,6 +128,10 @@ GK_INLINE void probe_bsdf(gk_u32 i, GK_GLOBAL gk_u32 *out)
     s.eta = i & 1u ? 1.5f : 1.0f / 1.5f;
     s.fresnel_mean = 0.0918f;
     s.thin = (gk_i32)(i >> 1 & 1u);
+    s.inside = !s.thin && s.eta < 1.0f;
+    s.energy = energy;
+    s.interface = GK_ENERGY_COAT;
+    probe_layers(i, &s);
     gk_surface_prepare(&s, wo);
     const struct gk_bsdf_value value = gk_bsdf_eval(&s, wo, probe_direction(i, 9));
     const struct gk_bsdf_sample sample =
@@ -149,7 +171,11 @@ GK_INLINE void probe_matte(gk_u32 i, GK_GLOBAL gk_u64 *table, GK_GLOBAL gk_u64 *
 PROBE_KERNEL(math)
 PROBE_KERNEL(limits)
 PROBE_KERNEL(sampler)
-PROBE_KERNEL(bsdf)
+
+__kernel void bsdf(GK_GLOBAL gk_u32 *restrict out, const GK_GLOBAL gk_f32 *restrict energy)
+{
+    probe_bsdf((gk_u32)get_global_id(0), out, energy);
+}
 
 __kernel void matte(GK_GLOBAL gk_u64 *table, GK_GLOBAL gk_u64 *lost)
 {

@@ -3,6 +3,7 @@
 
 #include "device/device.h"
 #include "device/program.h"
+#include "scene/energy.h"
 #include "tests/kernel/check.h"
 
 #include <stdio.h>
@@ -81,6 +82,15 @@ static void launch(const char *kernel, size_t items, const struct glint_arg *arg
                      GLINT_OK);
 }
 
+static void assert_same(const char *kernel, const gk_u32 *actual, const gk_u32 *expected)
+{
+    for (size_t k = 0; k < (size_t)PROBE_ROWS * PROBE_COLUMNS; k++)
+        if (actual[k] != expected[k])
+            fail_msg("%s: row %zu, column %zu: device %.9g (%08x), host %.9g (%08x)", kernel,
+                     k % PROBE_ROWS, k / PROBE_ROWS, (double)gk_as_f32(actual[k]), actual[k],
+                     (double)gk_as_f32(expected[k]), expected[k]);
+}
+
 typedef void probe(gk_u32, gk_u32 *);
 
 static void assert_same_bits(const char *kernel, probe *host)
@@ -92,12 +102,7 @@ static void assert_same_bits(const char *kernel, probe *host)
     launch(kernel, PROBE_ROWS, &(struct glint_arg){.buffer = buffer}, 1);
     for (gk_u32 i = 0; i < PROBE_ROWS; i++)
         host(i, expected);
-    const gk_u32 *actual = glint_buffer_host(buffer);
-    for (size_t k = 0; k < words; k++)
-        if (actual[k] != expected[k])
-            fail_msg("%s: row %zu, column %zu: device %.9g (%08x), host %.9g (%08x)", kernel,
-                     k % PROBE_ROWS, k / PROBE_ROWS, (double)gk_as_f32(actual[k]), actual[k],
-                     (double)gk_as_f32(expected[k]), expected[k]);
+    assert_same(kernel, glint_buffer_host(buffer), expected);
     free(expected);
     glint_buffer_destroy(&buffer);
 }
@@ -123,7 +128,21 @@ static void samples_and_filters_agree(void **state)
 static void scattering_agrees(void **state)
 {
     (void)state;
-    assert_same_bits("bsdf", probe_bsdf);
+    const size_t words = (size_t)PROBE_ROWS * PROBE_COLUMNS;
+    const size_t part = GK_ENERGY_PART * sizeof(float);
+    glint_buffer *buffer = make_buffer(words * sizeof(gk_u32)), *energy = make_buffer(2 * part);
+    memcpy(glint_buffer_host(energy), glint_energy_white(), part);
+    memcpy((char *)glint_buffer_host(energy) + part, glint_energy_interface(1.5f), part);
+    gk_u32 *expected = calloc(words, sizeof *expected);
+    assert_non_null(expected);
+    const struct glint_arg args[] = {{.buffer = buffer}, {.buffer = energy}};
+    launch("bsdf", PROBE_ROWS, args, 2);
+    for (gk_u32 i = 0; i < PROBE_ROWS; i++)
+        probe_bsdf(i, expected, glint_buffer_host(energy));
+    assert_same("bsdf", glint_buffer_host(buffer), expected);
+    free(expected);
+    glint_buffer_destroy(&energy);
+    glint_buffer_destroy(&buffer);
 }
 
 static void matte_tables_agree(void **state)
