@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 import cli
 import tap
@@ -90,6 +91,27 @@ def test_an_update_rebuilds_what_it_touches_and_no_more():
             json.dump({"materials": {"wall": {"roughness": 2}}, "lamps": {}}, file)
         run = house.glint("update", "room", house / "patch.json", expect=1)
         assert "/materials/wall/roughness" in run.stderr and "/lamps" in run.stderr
+
+
+def until(true, seconds=60):
+    end = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < end, "it does not come"
+        time.sleep(0.05)
+
+
+def test_a_live_job_follows_an_update():
+    with House() as house:
+        house.glint("put", house / "room.json")
+        job = house.glint("render", "room", *SMALL, "--live").stdout.strip()
+        until(lambda: house.document("jobs", job)["samples"] == 4)
+        with open(house / "patch.json", "w", encoding="utf-8") as file:
+            json.dump({"materials": {name: {"roughness": 0.5} for name in ROOM["materials"]}}, file)
+        revision = house.document("update", "room", house / "patch.json")["revision"]
+        until(lambda: house.document("jobs", job)["revision"] == revision)
+        house.glint("get", job, "-o", house / "f.exr")
+        assert magic(house / "f.exr") == b"\x76\x2f\x31\x01"
+        assert house.document("cancel", job)["outcome"] == "cancelled"
 
 
 def test_every_fault_of_a_job_is_told_with_its_pointer():
