@@ -14,6 +14,9 @@
 // Embree loads vertices 16 bytes at a time, past the end of the last.
 #define SLACK_BYTES 64
 
+// From here on large pages: records are read all over the place.
+#define LARGE_BYTES ((size_t)8 << 20)
+
 glint_status glint_buffer_create(glint_buffer **out, glint_devices *devices, size_t bytes,
                                  struct glint_error *err)
 {
@@ -34,6 +37,8 @@ glint_status glint_buffer_create(glint_buffer **out, glint_devices *devices, siz
         free(b);
         return glint_fail(err, GLINT_E_CAPACITY, "", "no memory for a buffer of %zu bytes", bytes);
     }
+    if (b->mapped >= LARGE_BYTES)
+        madvise(b->host, b->mapped, MADV_HUGEPAGE); // a wish: it works without
     atomic_init(&b->references, 1);
     *out = b;
     return GLINT_OK;
