@@ -34,7 +34,8 @@ struct glint_revision {
     pthread_mutex_t mutex; // guards what follows
     struct cached_pose pose[MAX_POSES];
     uint32_t poses;
-    uint64_t pose_bytes, pose_turns;
+    uint64_t pose_turns;
+    _Atomic uint64_t pose_bytes; // also read without
 };
 
 struct glint_usage *glint_usage_create(void)
@@ -290,23 +291,30 @@ const char *glint_revision_native(const glint_revision *revision, size_t *length
     return revision->import->text;
 }
 
-static void add_bytes(cJSON *resource, const struct glint_resident_stats *s)
+static void add_bytes(cJSON *resource, const glint_revision *r)
 {
-    cJSON_AddNumberToObject(resource, "resident_bytes", (double)total_bytes(s));
+    const struct glint_resident_stats *s = &r->stats;
+    const uint64_t poses = atomic_load(&r->pose_bytes);
+    cJSON_AddNumberToObject(resource, "resident_bytes", (double)(total_bytes(s) + poses));
     cJSON *bytes = cJSON_AddObjectToObject(resource, "bytes");
     cJSON_AddNumberToObject(bytes, "geometry", (double)s->geometry_bytes);
     cJSON_AddNumberToObject(bytes, "bvh", (double)s->bvh_bytes);
     cJSON_AddNumberToObject(bytes, "records", (double)s->record_bytes);
     cJSON_AddNumberToObject(bytes, "textures", (double)s->texture_bytes);
     cJSON_AddNumberToObject(bytes, "lights", (double)s->light_bytes);
+    cJSON_AddNumberToObject(bytes, "poses", (double)poses);
 }
 
 static void add_seconds(cJSON *resource, const glint_revision *r)
 {
+    const struct glint_resident_change *change = glint_resident_change(r->rest.resident);
     cJSON *seconds = cJSON_AddObjectToObject(resource, "seconds");
     cJSON_AddNumberToObject(seconds, "import", r->import->seconds);
     cJSON_AddNumberToObject(seconds, "parse", r->parse_seconds);
     cJSON_AddNumberToObject(seconds, "geometry", r->stats.geometry_seconds);
+    for (int p = 0; p < GLINT_PARTS; p++)
+        if (p != GLINT_PART_TEXTURES && p != GLINT_PART_LIGHTS && p != GLINT_PART_BVH)
+            cJSON_AddNumberToObject(seconds, glint_part_name[p], change->seconds[p]);
     cJSON_AddNumberToObject(seconds, "bvh", r->stats.bvh_seconds);
     cJSON_AddNumberToObject(seconds, "textures", r->stats.texture_seconds);
     cJSON_AddNumberToObject(seconds, "lights", r->stats.light_seconds);
@@ -368,7 +376,7 @@ cJSON *glint_revision_resource(const glint_revision *r)
     cJSON_AddStringToObject(resource, "revision", r->id);
     cJSON_AddStringToObject(resource, "created", r->created);
     add_counts(resource, r);
-    add_bytes(resource, &r->stats);
+    add_bytes(resource, r);
     add_effects(resource, r->rest.resident);
     add_warnings(resource, r);
     add_seconds(resource, r);

@@ -350,5 +350,49 @@ def test_many_edits_while_tiles_are_read_end_at_the_last():
         assert daemon.metric("glint_scenes") == 1
 
 
+# The wall moves out of the view in the second half of its animation's second.
+MOVING = {
+    **GLOW,
+    "nodes": {"rail": {}},
+    "instances": {"wall": {"mesh": "wall", "material": "glow", "node": "rail"}},
+    "animations": {"slide": {"channels": {"x": {
+        "node": "rail", "path": "translation", "interpolation": "step", "times": [0, 0.5],
+        "values": [0, 0, 0, 500, 0, 0]}}}},
+    "fps": 10,
+}
+
+
+def test_jobs_render_the_pose_of_their_frame_side_by_side():
+    with Daemon() as daemon:
+        daemon.put("rail", MOVING)
+        seen = {"scene": "rail", "outputs": ["beauty"], "stop": {"samples": 4}}
+        jobs = [(daemon.submit(**seen, **settings), expected) for settings, expected in (
+            ({"frame": 0}, [0.5, 0.25, 1]), ({"frame": 4}, [0.5, 0.25, 1]),
+            ({"frame": 5}, [2, 2, 2]), ({"frame": 5, "fps": 20}, [0.5, 0.25, 1]),
+            ({"frame": 9, "animation": "slide"}, [2, 2, 2]),
+            ({"frame": 9, "animation": "none"}, [0.5, 0.25, 1]))]
+        for job, expected in jobs:
+            assert colour(daemon.frame(job)) == expected, (job, expected)
+        answer = daemon.post({"scene": "rail", "animation": "walk"})
+        assert answer.status == 422 and answer.pointers() == ["/animation"], answer.body
+        assert "slide" in answer.json()["detail"]
+        assert daemon.get("/v1/scenes/rail").json()["bytes"]["poses"] > 0
+
+
+def test_a_live_job_follows_the_animation_that_is_edited():
+    with Daemon() as daemon:
+        daemon.put("rail", MOVING)
+        job = live(daemon, "rail", frame=7)
+        wait_idle(daemon, job)
+        assert colour(daemon.get(f"/v1/jobs/{job}/frame.exr").body) == [2, 2, 2]
+        x = {**MOVING["animations"]["slide"]["channels"]["x"], "times": [0, 0.8], "asset": None,
+             "keys": None}
+        answer = patch(daemon, {"animations": {"slide": {"channels": {"x": x}}}}, "rail")
+        assert answer.status == 200, answer.body
+        revision = answer.json()["revision"]
+        wait_idle(daemon, job, revision)
+        assert colour(daemon.get(f"/v1/jobs/{job}/frame.exr").body) == [0.5, 0.25, 1]
+
+
 if __name__ == "__main__":
     tap.main()
