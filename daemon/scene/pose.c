@@ -39,21 +39,30 @@ static uint32_t fewer(uint32_t keys)
     return keys / 2 + (keys > 3); // 9, 5, 3, 1
 }
 
+static uint64_t bytes_allowed(const struct glint_pose_work *w)
+{
+    const uint64_t asked = w->pose->request.max_bytes;
+    return asked ? asked : glint_memory_total() / 2;
+}
+
+static glint_status check_bytes(const struct glint_pose_work *w, double bytes,
+                                struct glint_error *err)
+{
+    if (bytes <= (double)bytes_allowed(w))
+        return GLINT_OK;
+    return glint_fail(err, GLINT_E_CAPACITY, "",
+                      "a pose of the scene takes %.0f bytes, more than the %" PRIu64 " that it may",
+                      bytes, bytes_allowed(w));
+}
+
 // As many keys as are needed, if there is room for them.
 static glint_status settle_keys(struct glint_pose_work *w, struct glint_error *err)
 {
-    const uint64_t most =
-        w->pose->request.max_bytes ? w->pose->request.max_bytes : glint_memory_total() / 2;
     uint32_t keys = w->keys;
-    while (keys > 1 && bytes_with(w, keys) > (double)most)
+    while (keys > 1 && bytes_with(w, keys) > (double)bytes_allowed(w))
         keys = fewer(keys);
     w->pose->keys = keys;
-    if (bytes_with(w, keys) > (double)most)
-        return glint_fail(err, GLINT_E_CAPACITY, "",
-                          "a pose of the scene takes %.0f bytes, more than the %" PRIu64
-                          " that it may",
-                          bytes_with(w, keys), most);
-    return GLINT_OK;
+    return check_bytes(w, bytes_with(w, keys), err);
 }
 
 static glint_status evaluate(struct glint_pose_work *w, struct glint_error *err)
@@ -62,6 +71,8 @@ static glint_status evaluate(struct glint_pose_work *w, struct glint_error *err)
     glint_status st = make_lists(p, w->scene, err);
     if (!st)
         st = glint_pose_nodes_prepare(&w->nodes, &w->scratch, w->scene, &p->request, err);
+    if (!st)
+        st = check_bytes(w, glint_pose_nodes_bytes(&w->nodes), err);
     if (!st)
         st = glint_pose_nodes_place(&w->nodes, &w->scratch, err);
     if (!st)

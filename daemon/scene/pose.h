@@ -20,7 +20,7 @@ struct glint_pose_request {
     double open, close;   // seconds, finite, open <= close
     double before, after; // seconds of the frame earlier and the frame later, for motion vectors
     bool flow;            // fill the members for `before` and `after`
-    uint64_t max_bytes;   // of the arrays, 0: half of the memory there is
+    uint64_t max_bytes;   // of the arrays, and of what nodes take meanwhile; 0: half of the memory
 };
 
 // Instances that deform alike (one mesh, skin and weights) share their arrays: equal pointers.
@@ -66,7 +66,7 @@ struct glint_pose {
 // within 1/1000 of every visible instance's own size (of a camera's and a light's path and
 // directions), measured at 17 moments; 9 where none does, and fewer where max_bytes allows no more.
 // Invisible instances are not evaluated: they are `hidden`.
-//   GLINT_E_CAPACITY  one key alone, and those of flow, exceed max_bytes
+//   GLINT_E_CAPACITY  one key alone, with those of flow, or the nodes exceed max_bytes
 //   GLINT_E_NOMEM
 glint_status glint_pose_create(struct glint_pose **out, const struct glint_scene *scene,
                                const struct glint_pose_request *request, struct glint_error *err);

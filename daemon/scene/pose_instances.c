@@ -207,7 +207,7 @@ static void measure_instance(struct glint_pose_work *w, uint32_t i)
     if (!t.moves || w->keys == GLINT_POSE_MAX_KEYS)
         return;
     const struct glint_pose_box *b = box_of(w, w->scene->instance[i].mesh);
-    need(w, glint_pose_box_keys(t.m, b->lo, b->hi));
+    need(w, glint_pose_box_keys(t.m, b->lo, b->hi, w->keys));
 }
 
 glint_status glint_pose_instances_measure(struct glint_pose_work *w, struct glint_error *err)

@@ -17,22 +17,27 @@ static void segment(int c, uint32_t m, uint32_t *a, uint32_t *b, double *f)
     *f = (double)(m - *a) / step;
 }
 
+// Square of the greatest distance of the track from its chords with choice c.
+static double strays(int c, double (*track)[3])
+{
+    double worst = 0;
+    for (uint32_t m = 1; m + 1 < GLINT_POSE_MOMENTS; m++) {
+        uint32_t a, b;
+        double f, square = 0;
+        segment(c, m, &a, &b, &f);
+        for (int k = 0; k < 3; k++) {
+            const double d = track[m][k] - track[a][k] - f * (track[b][k] - track[a][k]);
+            square += d * d;
+        }
+        worst = square > worst ? square : worst;
+    }
+    return worst;
+}
+
 void glint_pose_stray_point(struct glint_pose_stray *s, double (*track)[3])
 {
-    for (int c = 0; c < 4; c++) {
-        double worst = 0;
-        for (uint32_t m = 1; m + 1 < GLINT_POSE_MOMENTS; m++) {
-            uint32_t a, b;
-            double f, square = 0;
-            segment(c, m, &a, &b, &f);
-            for (int k = 0; k < 3; k++) {
-                const double d = track[m][k] - track[a][k] - f * (track[b][k] - track[a][k]);
-                square += d * d;
-            }
-            worst = fmax(worst, square);
-        }
-        s->worst[c] = fmax(s->worst[c], sqrt(worst));
-    }
+    for (int c = 0; c < 4; c++)
+        s->worst[c] = fmax(s->worst[c], sqrt(strays(c, track)));
 }
 
 void glint_pose_stray_number(struct glint_pose_stray *s, const double *track)
@@ -51,24 +56,39 @@ uint32_t glint_pose_stray_keys(const struct glint_pose_stray *s, double size)
     return choice[3];
 }
 
-uint32_t glint_pose_box_keys(const glint_pose_matrix *m, const double lo[3], const double hi[3])
+static double distance(const double a[3], const double b[3])
 {
-    struct glint_pose_stray stray = {{0}};
-    double diagonal = 0;
+    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+// Where the corners go; opposite ones add up to 7.
+static void follow(const glint_pose_matrix *m, const double lo[3], const double hi[3],
+                   double track[8][GLINT_POSE_MOMENTS][3])
+{
     for (int corner = 0; corner < 8; corner++) {
-        double track[GLINT_POSE_MOMENTS][3], across[3], opposite[3];
         const double p[3] = {corner & 1 ? hi[0] : lo[0], corner & 2 ? hi[1] : lo[1],
                              corner & 4 ? hi[2] : lo[2]};
-        for (int k = 0; k < 3; k++)
-            across[k] = lo[k] + hi[k] - p[k];
         for (uint32_t i = 0; i < GLINT_POSE_MOMENTS; i++)
-            glint_pose_point(track[i], m[i], p);
-        glint_pose_point(opposite, m[0], across);
-        glint_pose_stray_point(&stray, track);
-        diagonal = fmax(diagonal, hypot(hypot(opposite[0] - track[0][0], opposite[1] - track[0][1]),
-                                        opposite[2] - track[0][2]));
+            glint_pose_point(track[corner][i], m[i], p);
     }
-    return glint_pose_stray_keys(&stray, diagonal);
+}
+
+uint32_t glint_pose_box_keys(const glint_pose_matrix *m, const double lo[3], const double hi[3],
+                             uint32_t least)
+{
+    double track[8][GLINT_POSE_MOMENTS][3], size = 0;
+    follow(m, lo, hi, track);
+    for (int corner = 0; corner < 4; corner++)
+        size = fmax(size, distance(track[corner][0], track[7 - corner][0]));
+    for (int c = 0; c < 3; c++) {
+        bool straight = choice[c] >= least;
+        for (int corner = 0; corner < 8 && straight; corner++)
+            straight = sqrt(strays(c, track[corner])) <= TOLERANCE * size;
+        if (straight)
+            return choice[c];
+    }
+    return choice[3];
 }
 
 uint32_t glint_pose_frame_keys(const glint_pose_matrix *m)

@@ -139,6 +139,11 @@ static void place(struct glint_pose_nodes *n, uint32_t node)
     n->vanished += !fine;
 }
 
+double glint_pose_nodes_bytes(const struct glint_pose_nodes *n)
+{
+    return sizeof(glint_pose_matrix) * (n->scene->nodes + (double)n->touched * n->moments);
+}
+
 glint_status glint_pose_nodes_place(struct glint_pose_nodes *n, struct glint_arena *arena,
                                     struct glint_error *err)
 {

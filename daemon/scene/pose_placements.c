@@ -101,7 +101,7 @@ static void measure(struct glint_pose_work *w, struct item item)
     uint32_t keys;
     if (item.size) {
         const double hi[3] = {item.size[0] / 2, item.size[1] / 2, 0};
-        keys = glint_pose_box_keys(t.m, (const double[3]){-hi[0], -hi[1], 0}, hi);
+        keys = glint_pose_box_keys(t.m, (const double[3]){-hi[0], -hi[1], 0}, hi, w->keys);
     } else {
         keys = glint_pose_frame_keys(t.m);
     }

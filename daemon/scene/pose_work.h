@@ -49,8 +49,10 @@ void glint_pose_stray_point(struct glint_pose_stray *s, double (*track)[3]); // 
 void glint_pose_stray_number(struct glint_pose_stray *s, const double *track);
 // Least number of keys with which no point strays further than 1/1000 of `size`.
 uint32_t glint_pose_stray_keys(const struct glint_pose_stray *s, double size);
-// That of a thing with this box, carried by the matrices; of a camera or light without extent.
-uint32_t glint_pose_box_keys(const glint_pose_matrix *m, const double lo[3], const double hi[3]);
+// That of a thing with this box, carried by the matrices, at least `least`; of a camera or light
+// without extent.
+uint32_t glint_pose_box_keys(const glint_pose_matrix *m, const double lo[3], const double hi[3],
+                             uint32_t least);
 uint32_t glint_pose_frame_keys(const glint_pose_matrix *m);
 
 // What nodes do. Zero-initialised before prepare; everything is in the arena.
@@ -74,6 +76,7 @@ glint_status glint_pose_nodes_prepare(struct glint_pose_nodes *n, struct glint_a
                                       const struct glint_scene *scene,
                                       const struct glint_pose_request *request,
                                       struct glint_error *err);
+double glint_pose_nodes_bytes(const struct glint_pose_nodes *n); // that place will take
 // Where they are. GLINT_E_NOMEM
 glint_status glint_pose_nodes_place(struct glint_pose_nodes *n, struct glint_arena *arena,
                                     struct glint_error *err);

@@ -186,26 +186,56 @@ static void a_joint_that_the_skin_has_not_is_refused(void **state)
     glint_error_finish(&err);
 }
 
+// The arm over and over.
+#define MANY 400
+static float many_position[3 * MANY], many_normal[3 * MANY], many_tangent[4 * MANY],
+    many_weight[4 * MANY];
+static uint16_t many_joint[4 * MANY];
+
+static void make_many(struct pose_scene *s)
+{
+    make_arm(s);
+    for (int i = 0; i < MANY; i += 4) {
+        memcpy(many_position + 3 * i, arm_position, sizeof arm_position);
+        memcpy(many_normal + 3 * i, arm_normal, sizeof arm_normal);
+        memcpy(many_tangent + 4 * i, arm_tangent, sizeof arm_tangent);
+        memcpy(many_weight + 4 * i, arm_weight, sizeof arm_weight);
+        memcpy(many_joint + 4 * i, arm_joint, sizeof arm_joint);
+    }
+    s->mesh[0].vertices = MANY;
+    s->mesh[0].position = many_position;
+    s->mesh[0].normal = many_normal;
+    s->mesh[0].tangent = many_tangent;
+    s->mesh[0].weight = many_weight;
+    s->mesh[0].joint = many_joint;
+}
+
 static void a_pose_larger_than_allowed_has_fewer_keys_or_is_refused(void **state)
 {
     (void)state;
     struct pose_scene s;
-    make_arm(&s);
+    make_many(&s);
     pose_scene_channel(&s, 0, GLINT_PATH_ROTATION, GLINT_INTERPOLATION_LINEAR, 2, second,
                        half_turn);
-    // A transform, and 40 bytes for each of 4 vertices and key, 24 for their flow.
-    struct glint_pose_request request = {.close = 1, .max_bytes = 128 + 4 * (24 + 9 * 40)};
+    // A transform, and for each vertex 40 bytes a key, and 24 of flow.
+    struct glint_pose_request request = {.close = 1, .max_bytes = 128 + MANY * (24 + 9 * 40)};
     const uint32_t want[4] = {9, 5, 3, 1};
+    struct glint_pose *p;
     for (int i = 0; i < 4; i++) {
-        struct glint_pose *p;
         assert_int_equal(glint_pose_create(&p, &s.scene, &request, NULL), GLINT_OK);
         assert_int_equal(p->keys, want[i]);
         assert_int_equal(p->instance[0].bends, want[i] > 1);
-        request.max_bytes = 128 + 4 * (24 + 40 * want[i]) - 1;
+        request.max_bytes = 128 + MANY * (24 + 40 * want[i]) - 1;
         glint_pose_release(&p);
     }
-    struct glint_pose *p;
     struct glint_error err = {0};
+    assert_int_equal(glint_pose_create(&p, &s.scene, &request, &err), GLINT_E_CAPACITY);
+    glint_error_finish(&err);
+    s.scene.instances = 0; // two nodes at 17 moments, and at rest
+    request.max_bytes = 128 * (2 * 17 + 2);
+    assert_int_equal(glint_pose_create(&p, &s.scene, &request, NULL), GLINT_OK);
+    glint_pose_release(&p);
+    request.max_bytes--;
     assert_int_equal(glint_pose_create(&p, &s.scene, &request, &err), GLINT_E_CAPACITY);
     glint_error_finish(&err);
 }
