@@ -232,6 +232,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/shape.c \
 	daemon/scene/shape.h \
 	daemon/scene/share.c \
+	daemon/scene/share_lights.c \
 	daemon/scene/stl.c \
 	daemon/scene/store.c \
 	daemon/scene/store.h \

@@ -121,6 +121,7 @@ void glint_share_table(struct glint_resident *r, enum glint_table table);
 bool glint_share_equal_table(struct glint_resident *r, enum glint_table table);
 // Takes over what makes up a part where everything that it is made from is equal.
 bool glint_share_textures(struct glint_resident *r);
+bool glint_share_lights(struct glint_resident *r);
 bool glint_share_environment(struct glint_resident *r);
 // Views of the structures of r->from where every row is in its place; else a placed one anew, where
 // r->from has one.

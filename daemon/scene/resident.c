@@ -7,10 +7,14 @@
 #include <stdlib.h>
 
 const char *const glint_part_name[GLINT_PARTS] = {
-    [GLINT_PART_MESHES] = "meshes",       [GLINT_PART_TEXTURES] = "textures",
-    [GLINT_PART_MATERIALS] = "materials", [GLINT_PART_INSTANCES] = "instances",
-    [GLINT_PART_LIGHTS] = "lights",       [GLINT_PART_ENVIRONMENT] = "environment",
-    [GLINT_PART_BVH] = "bvh",             [GLINT_PART_PLACEMENT] = "placement",
+    [GLINT_PART_MESHES] = "meshes",
+    [GLINT_PART_TEXTURES] = "textures",
+    [GLINT_PART_MATERIALS] = "materials",
+    [GLINT_PART_INSTANCES] = "instances",
+    [GLINT_PART_LIGHTS] = "lights",
+    [GLINT_PART_ENVIRONMENT] = "environment",
+    [GLINT_PART_BVH] = "bvh",
+    [GLINT_PART_PLACEMENT] = "placement",
 };
 
 static void release_tables(struct glint_resident *r)
@@ -47,6 +51,11 @@ static glint_status build_shown(struct glint_resident *r, struct glint_error *er
 static glint_status build_textures(struct glint_resident *r, struct glint_error *err)
 {
     return glint_share_textures(r) ? GLINT_OK : glint_resident_build_textures(r, err);
+}
+
+static glint_status build_lights(struct glint_resident *r, struct glint_error *err)
+{
+    return glint_share_lights(r) ? GLINT_OK : glint_resident_build_lights(r, err);
 }
 
 // A scene that nobody has seen yet is most likely rendered next: by a batch job. One that follows
@@ -93,7 +102,7 @@ static glint_status build(struct glint_resident *r, struct glint_error *err)
         {glint_resident_build_materials, GLINT_PART_MATERIALS, &s->texture_seconds},
         {glint_resident_build_records, GLINT_PART_MESHES, &s->geometry_seconds},
         {glint_resident_build_instances, GLINT_PART_INSTANCES, &s->geometry_seconds},
-        {glint_resident_build_lights, GLINT_PART_LIGHTS, &s->light_seconds},
+        {build_lights, GLINT_PART_LIGHTS, &s->light_seconds},
         {glint_resident_build_environment, GLINT_PART_ENVIRONMENT, &s->light_seconds},
         {fill_gaps, GLINT_PART_MESHES, &s->geometry_seconds},
     };
