@@ -75,6 +75,9 @@ static void white_object_vanishes_in_a_white_environment(void **state)
         "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0,\"thin\":true",
         "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0,\"ior\":1", // nothing at all
         "\"base_color\":[1,1,1],\"roughness\":0",                              // polished paint
+        "\"base_color\":[1,1,1],\"roughness\":1",                              // matt paint
+        "\"base_color\":[1,1,1],\"metallic\":1,\"roughness\":0.7",
+        "\"base_color\":[1,1,1],\"metallic\":1,\"roughness\":0,\"clearcoat\":1",
     };
     for (size_t i = 0; i < sizeof material / sizeof *material; i++) {
         char scene[1024];
