@@ -21,6 +21,7 @@ UNIT_TESTS = \
 	tests/render/test_effects \
 	tests/render/test_features \
 	tests/render/test_flow \
+	tests/render/test_many_lights \
 	tests/render/test_matte_names \
 	tests/render/test_mattes \
 	tests/render/test_motion \
@@ -109,6 +110,7 @@ moving = tests/render/moving.c tests/render/moving.h $(stable)
 tests_render_test_flow_SOURCES = tests/render/test_flow.c $(moving)
 tests_render_test_motion_SOURCES = tests/render/test_motion.c $(moving)
 tests_render_test_features_SOURCES = tests/render/test_features.c $(stable)
+tests_render_test_many_lights_SOURCES = tests/render/test_many_lights.c $(stable)
 tests_render_test_resident_SOURCES = tests/render/test_resident.c $(stable)
 tests_stability_test_degenerate_SOURCES = tests/stability/test_degenerate.c $(stable)
 tests_stability_test_demo_SOURCES = tests/stability/test_demo.c $(stable)

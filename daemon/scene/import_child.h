@@ -20,6 +20,7 @@ struct glint_import_work {
     struct glint_asset *asset;
     size_t given, assets;
     struct glint_arena arena; // holds the bytes of those that it made
+    uint64_t clamped;         // values of pictures that no light can have
     struct glint_scene *scene;
 };
 

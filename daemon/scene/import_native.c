@@ -101,8 +101,10 @@ static void replace(struct glint_import_work *w, cJSON *image, struct glint_erro
              !cJSON_GetObjectItemCaseSensitive(image, "height") &&
              !cJSON_GetObjectItemCaseSensitive(image, "format"))
         decoded = decode_asset(w, asset->valuestring, pointer, &pixels, err);
-    if (decoded && add_asset(w, &pixels, hex, err))
+    if (decoded && add_asset(w, &pixels, hex, err)) {
         say_pixels(image, &pixels, hex, err);
+        w->clamped += pixels.clamped;
+    }
 }
 
 // The text with its pictures replaced, malloc'd; NULL after a fault.
@@ -139,5 +141,10 @@ glint_status glint_import_native(struct glint_import_work *w, struct glint_error
     }
     const glint_status st = glint_scene_parse(&w->scene, text, size, w->asset, w->assets, err);
     free(replaced);
+    if (!st && w->clamped)
+        glint_scene_warn(w->scene,
+                         "%llu values of OpenEXR pictures were negative, above 65504 or no number: "
+                         "clamped",
+                         (unsigned long long)w->clamped);
     return st;
 }

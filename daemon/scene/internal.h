@@ -143,6 +143,9 @@ void glint_material_note_ends(const struct glint_material *m, uint32_t uv_set, b
 float glint_resident_opacity(const struct glint_resident *r, uint32_t row, uint32_t primitive,
                              float u, float v);
 
+// Mean luminance of a texture record over a triangle record.
+double glint_resident_emission(const struct glint_resident *r, uint32_t texture, uint32_t triangle);
+
 // Keys of everything that moves, 1: nothing does.
 static inline uint32_t glint_resident_keys(const struct glint_resident *r)
 {

@@ -105,7 +105,8 @@ static void add_row(struct glint_resident *r, uint32_t index, uint32_t keys, dou
     const struct glint_kept *k = glint_row_kept(r, row);
     const struct gk_material *m =
         (const struct gk_material *)glint_table_host(r, GLINT_TABLE_MATERIALS) + row->material;
-    const double mean = luminance(m->emission) * texture_mean(r, m->emission_texture);
+    const uint32_t texture = m->emission_texture;
+    const double mean = texture_mean(r, texture);
     struct gk_instance *in = (struct gk_instance *)glint_table_host(r, GLINT_TABLE_INSTANCES);
     in[index].light = r->lights;
     for (uint32_t i = 0; i < k->triangles; i++) {
@@ -113,7 +114,12 @@ static void add_row(struct glint_resident *r, uint32_t index, uint32_t keys, dou
             triangle_light(r, row, i, key, light_at(r, r->lights, key));
         const struct gk_light *l = light_at(r, r->lights, 0);
         const double sides = l->kind >> 4 ? 2.0 : 1.0;
-        power[r->lights++] = M_PI * mean * light_area(l) * sides;
+        // Of what the texture shows there; a little of all of it, for spots that fell between.
+        const double shown =
+            texture == GK_NONE
+                ? 1.0
+                : 0.95 * glint_resident_emission(r, texture, l->triangle) + 0.05 * mean;
+        power[r->lights++] = M_PI * luminance(l->L) * shown * light_area(l) * sides;
     }
 }
 
