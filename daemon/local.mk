@@ -74,6 +74,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/watch.h \
 	daemon/jobs/admit.c \
 	daemon/jobs/admit.h \
+	daemon/jobs/commands.c \
 	daemon/jobs/crew.c \
 	daemon/jobs/crew.h \
 	daemon/jobs/describe.c \
@@ -86,6 +87,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/patch.h \
 	daemon/jobs/scheduler.c \
 	daemon/jobs/scheduler.h \
+	daemon/jobs/scheduler_parts.h \
 	daemon/jobs/state.c \
 	daemon/jobs/state.h \
 	daemon/jobs/table.c \

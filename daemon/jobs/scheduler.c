@@ -1,9 +1,8 @@
-#include "jobs/scheduler.h"
+#include "jobs/scheduler_parts.h"
 
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/thread.h"
-#include "jobs/crew.h"
 #include "jobs/state.h"
 #include "jobs/turn.h"
 
@@ -12,43 +11,8 @@
 #include <string.h>
 
 #define COMMAND_ROOM 256 // in the inbox, beside one answer for each order that can be out
-#define GIB (1024.0 * 1024 * 1024)
-#define FIRST_SLICE 0.02 // seconds, the guess until a slice was measured
 #define FRESH_SLICES 8
 #define PIXEL_SECONDS 0.01 // between calls of `changed` for new pixels: slices may be shorter
-
-struct glint_scheduler {
-    struct glint_job_table *table;
-    uint64_t film_bytes;
-    glint_crew *crew;
-    glint_queue *inbox;
-    pthread_t thread;
-    bool started;
-
-    // the thread's
-    struct glint_entry *live[GLINT_MAX_LIVE_JOBS]; // not ended, in order of submission
-    size_t lives;
-    uint32_t *load; // [workers] orders out
-    bool preparing; // the preparer has an order
-    bool moving;    // the mover has one
-    bool news;      // a state or description is another: `changed` is called at once
-    bool pixels;    // new pixels: `changed` is called PIXEL_SECONDS after it was the last time
-    double told;    // glint_now() of that
-    void (*changed)(void *user);
-    void *user;
-    bool stopping;
-
-    pthread_mutex_t mutex; // of `answered` in every command under way; a leaf
-    pthread_cond_t answer;
-};
-
-static void answer(glint_scheduler *s, struct glint_command *c)
-{
-    pthread_mutex_lock(&s->mutex);
-    c->answered = true;
-    pthread_cond_broadcast(&s->answer);
-    pthread_mutex_unlock(&s->mutex);
-}
 
 glint_status glint_scheduler_call(glint_scheduler *s, struct glint_command *c)
 {
@@ -63,7 +27,7 @@ glint_status glint_scheduler_call(glint_scheduler *s, struct glint_command *c)
     return c->status;
 }
 
-static void enter(glint_scheduler *s, struct glint_entry *e, enum glint_job_state state)
+void glint_scheduler_enter(glint_scheduler *s, struct glint_entry *e, enum glint_job_state state)
 {
     glint_state_enter(s->table, e, state);
     s->news = true;
@@ -79,8 +43,7 @@ static void remove_live(glint_scheduler *s, const struct glint_entry *e)
     memmove(s->live + at, s->live + at + 1, (s->lives - at) * sizeof *s->live);
 }
 
-// Memory may have come free: who waited for it may try again.
-static void unblock(glint_scheduler *s)
+void glint_scheduler_unblock(glint_scheduler *s)
 {
     for (size_t i = 0; i < s->lives; i++)
         s->live[i]->blocked = false;
@@ -88,10 +51,10 @@ static void unblock(glint_scheduler *s)
 
 static void settle(glint_scheduler *s, struct glint_entry *e)
 {
-    enter(s, e, e->end);
+    glint_scheduler_enter(s, e, e->end);
     e->end = GLINT_JOB_QUEUED;
     remove_live(s, e);
-    unblock(s);
+    glint_scheduler_unblock(s);
     glint_crew_dispose(s->crew, &e->next_view, &e->next_revision);
     glint_revision_use(e->revision, -1);
     glint_log(e->state == GLINT_JOB_FAILED ? GLINT_LOG_WARNING : GLINT_LOG_INFO, "jobs", e->id,
@@ -100,8 +63,7 @@ static void settle(glint_scheduler *s, struct glint_entry *e)
               e->problem.status ? glint_error_text(&e->problem) : "");
 }
 
-// Takes back what waits at the workers, so that the next slices go to whom they are due.
-static void recall(glint_scheduler *s)
+void glint_scheduler_recall(glint_scheduler *s)
 {
     struct glint_entry *entry;
     struct glint_slice slice;
@@ -113,15 +75,14 @@ static void recall(glint_scheduler *s)
         }
 }
 
-// The job ends in `state` as soon as none of its slices is out. A decision stands.
-static void end(glint_scheduler *s, struct glint_entry *e, enum glint_job_state state)
+void glint_scheduler_end(glint_scheduler *s, struct glint_entry *e, enum glint_job_state state)
 {
     if (e->end != GLINT_JOB_QUEUED)
         return;
     e->end = state;
     // Relaxed: a hint to the preparer.
     atomic_store_explicit(&e->abandoned, true, memory_order_relaxed);
-    recall(s);
+    glint_scheduler_recall(s);
     if (!e->out)
         settle(s, e);
 }
@@ -129,7 +90,7 @@ static void end(glint_scheduler *s, struct glint_entry *e, enum glint_job_state 
 static void fail(glint_scheduler *s, struct glint_entry *e, struct glint_error *error)
 {
     glint_state_blame(s->table, e, error);
-    end(s, e, GLINT_JOB_FAILED);
+    glint_scheduler_end(s, e, GLINT_JOB_FAILED);
 }
 
 // A live job that has reached its stop waits for something else to show.
@@ -138,7 +99,7 @@ static void idle(glint_scheduler *s, struct glint_entry *e)
     if (e->idle)
         return;
     glint_state_idle(s->table, e, true);
-    recall(s);
+    glint_scheduler_recall(s);
     s->news = true;
 }
 
@@ -150,7 +111,7 @@ static void end_if_complete(glint_scheduler *s, struct glint_entry *e)
     if (e->job->live)
         idle(s, e);
     else
-        end(s, e, GLINT_JOB_DONE);
+        glint_scheduler_end(s, e, GLINT_JOB_DONE);
 }
 
 // The live job shows what was made for it. Nothing of it is out.
@@ -164,173 +125,6 @@ static void change_view(glint_scheduler *s, struct glint_entry *e)
     glint_turn_join(s->live, s->lives, e);
     e->fresh = FRESH_SLICES;
     s->news = true;
-}
-
-// Commands.
-
-static struct glint_entry *repeated(glint_scheduler *s, const struct glint_entry *e)
-{
-    return e->key ? glint_job_table_find_key(s->table, e->key) : NULL;
-}
-
-static glint_status submit(glint_scheduler *s, struct glint_command *c)
-{
-    struct glint_entry *known = repeated(s, c->entry);
-    if (known) {
-        c->repeated = glint_entry_retain(known);
-        return GLINT_OK;
-    }
-    if (s->stopping)
-        return glint_fail(c->err, GLINT_E_BUSY, "", "the daemon is shutting down");
-    if (s->lives == GLINT_MAX_LIVE_JOBS)
-        return glint_fail(c->err, GLINT_E_BUSY, "", "%u jobs wait or render already",
-                          GLINT_MAX_LIVE_JOBS);
-    if (c->entry->film_bytes > s->film_bytes)
-        return glint_fail(c->err, GLINT_E_CAPACITY, "/resolution",
-                          "the film needs %.3g GiB of memory, all films may have %.3g",
-                          (double)c->entry->film_bytes / GIB, (double)s->film_bytes / GIB);
-    c->gone = glint_job_table_trim(s->table);
-    if (!glint_job_table_add(s->table, c->entry))
-        return glint_fail(c->err, GLINT_E_NOMEM, "", "no memory for one more job");
-    c->entry->slice_seconds = FIRST_SLICE;
-    s->live[s->lives++] = c->entry;
-    glint_revision_use(c->entry->revision, 1);
-    s->news = true;
-    return GLINT_OK;
-}
-
-static glint_status delete (glint_scheduler *s, struct glint_command *c)
-{
-    if (!glint_state_ended(c->entry->state)) {
-        end(s, c->entry, GLINT_JOB_CANCELLED);
-        return GLINT_OK;
-    }
-    c->forgotten = true;
-    if (!c->entry->listed) // another call was first
-        return GLINT_OK;
-    glint_job_table_remove(s->table, c->entry);
-    c->gone = c->entry; // with the table's reference
-    c->gone->next = NULL;
-    unblock(s);
-    s->news = true;
-    return GLINT_OK;
-}
-
-static void set_paused(glint_scheduler *s, struct glint_entry *e, bool paused)
-{
-    if (paused == (e->state == GLINT_JOB_PAUSED))
-        return;
-    enter(s, e, paused ? GLINT_JOB_PAUSED : e->began ? GLINT_JOB_RENDERING : GLINT_JOB_QUEUED);
-    if (e->idle)
-        glint_state_idle(s->table, e, true);
-    recall(s);
-    if (!paused)
-        glint_turn_join(s->live, s->lives, e);
-}
-
-// A job that stopped by time goes on where it stopped.
-static void resume(glint_scheduler *s, struct glint_entry *e)
-{
-    glint_revision_use(e->revision, 1);
-    atomic_store_explicit(&e->abandoned, false, memory_order_relaxed);
-    s->live[s->lives++] = e;
-    enter(s, e, GLINT_JOB_RENDERING);
-    glint_turn_join(s->live, s->lives, e);
-}
-
-static glint_status patch_ended(glint_scheduler *s, struct glint_command *c)
-{
-    struct glint_entry *e = c->entry;
-    const bool longer =
-        c->patch.has_seconds && (!c->patch.seconds || c->patch.seconds > e->render_seconds);
-    if (e->state != GLINT_JOB_DONE || !longer || glint_render_complete(e->render))
-        return glint_fail(c->err, GLINT_E_CONFLICT, "", "the job is %s and has no more to render",
-                          glint_job_state_name(e->state));
-    if (s->stopping || s->lives == GLINT_MAX_LIVE_JOBS)
-        return glint_fail(c->err, GLINT_E_BUSY, "", "no more jobs can render now");
-    glint_state_stop_seconds(s->table, e, c->patch.seconds);
-    if (c->patch.has_priority)
-        glint_state_priority(s->table, e, c->patch.priority);
-    resume(s, e);
-    if (c->patch.has_paused)
-        set_paused(s, e, c->patch.paused);
-    return GLINT_OK;
-}
-
-static void set_seconds(glint_scheduler *s, struct glint_entry *e, double seconds)
-{
-    glint_state_stop_seconds(s->table, e, seconds);
-    const bool more = !seconds || seconds > e->render_seconds;
-    if (e->idle && more && !glint_render_complete(e->render))
-        glint_state_idle(s->table, e, false);
-}
-
-static glint_status patch(glint_scheduler *s, struct glint_command *c)
-{
-    struct glint_entry *e = c->entry;
-    if (!e->listed)
-        return glint_fail(c->err, GLINT_E_NOT_FOUND, "", "the job was forgotten just now");
-    if (glint_state_ended(e->state))
-        return patch_ended(s, c);
-    if (e->end != GLINT_JOB_QUEUED)
-        return glint_fail(c->err, GLINT_E_CONFLICT, "", "the job is about to be %s",
-                          glint_job_state_name(e->end));
-    if (c->patch.has_seconds)
-        set_seconds(s, e, c->patch.seconds);
-    if (c->patch.look) {
-        glint_state_look(s->table, e, &c->patch.look);
-        e->stale = glint_now();
-    }
-    if (c->patch.has_priority && c->patch.priority != e->priority) {
-        glint_state_priority(s->table, e, c->patch.priority);
-        glint_turn_join(s->live, s->lives, e);
-        recall(s);
-    }
-    if (c->patch.has_paused)
-        set_paused(s, e, c->patch.paused);
-    s->news = true;
-    return GLINT_OK;
-}
-
-static void scene_changed(glint_scheduler *s, const char *scene)
-{
-    for (size_t i = 0; i < s->lives; i++)
-        if (s->live[i]->job->live && !strcmp(s->live[i]->job->scene, scene))
-            s->live[i]->stale = glint_now();
-}
-
-static void begin_stop(glint_scheduler *s)
-{
-    s->stopping = true;
-    for (size_t i = s->lives; i--;) // backwards: end() may take the entry out
-        end(s, s->live[i], GLINT_JOB_CANCELLED);
-}
-
-static void obey(glint_scheduler *s, struct glint_command *c)
-{
-    c->status = GLINT_OK;
-    switch (c->kind) {
-    case GLINT_COMMAND_SUBMIT:
-        c->status = submit(s, c);
-        break;
-    case GLINT_COMMAND_DELETE:
-        c->status = delete (s, c);
-        break;
-    case GLINT_COMMAND_PATCH:
-        c->status = patch(s, c);
-        break;
-    case GLINT_COMMAND_SCENE:
-        scene_changed(s, c->scene);
-        break;
-    case GLINT_COMMAND_WATCH:
-        s->changed = c->changed;
-        s->user = c->user;
-        break;
-    case GLINT_COMMAND_STOP:
-        begin_stop(s);
-        return;
-    }
-    answer(s, c);
 }
 
 // Answers of the crew.
@@ -374,7 +168,7 @@ static void prepared(glint_scheduler *s, struct glint_message *m)
         }
         glint_state_prepared(s->table, e, &m->render);
         glint_turn_join(s->live, s->lives, e);
-        recall(s);
+        glint_scheduler_recall(s);
         s->news = true;
         end_if_complete(s, e);
     }
@@ -403,7 +197,7 @@ static void moved(glint_scheduler *s, struct glint_message *m)
         e->next_revision = m->revision;
         m->view = NULL;
         m->revision = NULL;
-        recall(s);
+        glint_scheduler_recall(s);
         if (e->out)
             glint_render_interrupt(e->render);
         else
@@ -438,7 +232,7 @@ static void handle(glint_scheduler *s, struct glint_message *m)
 {
     switch (m->kind) {
     case GLINT_MESSAGE_COMMAND:
-        obey(s, m->command);
+        glint_scheduler_obey(s, m->command);
         break;
     case GLINT_MESSAGE_PREPARED:
         prepared(s, m);
@@ -473,7 +267,7 @@ static void end_late(glint_scheduler *s)
         if (e->job->live)
             idle(s, e);
         else
-            end(s, e, GLINT_JOB_DONE);
+            glint_scheduler_end(s, e, GLINT_JOB_DONE);
     }
 }
 
@@ -516,7 +310,7 @@ static void hand_out(glint_scheduler *s, uint32_t worker, struct glint_entry *e,
                      const struct glint_slice *slice)
 {
     if (!e->began)
-        enter(s, e, GLINT_JOB_RENDERING);
+        glint_scheduler_enter(s, e, GLINT_JOB_RENDERING);
     e->began = true;
     e->out++;
     s->load[worker]++;

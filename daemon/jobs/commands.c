@@ -1,0 +1,187 @@
+// commands.c - what others ask of the scheduler: submit, patch, delete, watch, stop.
+#include "jobs/scheduler_parts.h"
+
+#include "base/clock.h"
+#include "jobs/state.h"
+#include "jobs/turn.h"
+
+#include <string.h>
+
+#define GIB (1024.0 * 1024 * 1024)
+#define FIRST_SLICE 0.02 // seconds, the guess until a slice was measured
+
+static void answer(glint_scheduler *s, struct glint_command *c)
+{
+    pthread_mutex_lock(&s->mutex);
+    c->answered = true;
+    pthread_cond_broadcast(&s->answer);
+    pthread_mutex_unlock(&s->mutex);
+}
+
+static struct glint_entry *repeated(glint_scheduler *s, const struct glint_entry *e)
+{
+    return e->key ? glint_job_table_find_key(s->table, e->key) : NULL;
+}
+
+static glint_status submit(glint_scheduler *s, struct glint_command *c)
+{
+    struct glint_entry *known = repeated(s, c->entry);
+    if (known) {
+        c->repeated = glint_entry_retain(known);
+        return GLINT_OK;
+    }
+    if (s->stopping)
+        return glint_fail(c->err, GLINT_E_BUSY, "", "the daemon is shutting down");
+    if (s->lives == GLINT_MAX_LIVE_JOBS)
+        return glint_fail(c->err, GLINT_E_BUSY, "", "%u jobs wait or render already",
+                          GLINT_MAX_LIVE_JOBS);
+    if (c->entry->film_bytes > s->film_bytes)
+        return glint_fail(c->err, GLINT_E_CAPACITY, "/resolution",
+                          "the film needs %.3g GiB of memory, all films may have %.3g",
+                          (double)c->entry->film_bytes / GIB, (double)s->film_bytes / GIB);
+    c->gone = glint_job_table_trim(s->table);
+    if (!glint_job_table_add(s->table, c->entry))
+        return glint_fail(c->err, GLINT_E_NOMEM, "", "no memory for one more job");
+    c->entry->slice_seconds = FIRST_SLICE;
+    s->live[s->lives++] = c->entry;
+    glint_revision_use(c->entry->revision, 1);
+    s->news = true;
+    return GLINT_OK;
+}
+
+static glint_status delete (glint_scheduler *s, struct glint_command *c)
+{
+    if (!glint_state_ended(c->entry->state)) {
+        glint_scheduler_end(s, c->entry, GLINT_JOB_CANCELLED);
+        return GLINT_OK;
+    }
+    c->forgotten = true;
+    if (!c->entry->listed) // another call was first
+        return GLINT_OK;
+    glint_job_table_remove(s->table, c->entry);
+    c->gone = c->entry; // with the table's reference
+    c->gone->next = NULL;
+    glint_scheduler_unblock(s);
+    s->news = true;
+    return GLINT_OK;
+}
+
+static void set_paused(glint_scheduler *s, struct glint_entry *e, bool paused)
+{
+    if (paused == (e->state == GLINT_JOB_PAUSED))
+        return;
+    glint_scheduler_enter(s, e,
+                          paused     ? GLINT_JOB_PAUSED
+                          : e->began ? GLINT_JOB_RENDERING
+                                     : GLINT_JOB_QUEUED);
+    if (e->idle)
+        glint_state_idle(s->table, e, true);
+    glint_scheduler_recall(s);
+    if (!paused)
+        glint_turn_join(s->live, s->lives, e);
+}
+
+// A job that stopped by time goes on where it stopped.
+static void resume(glint_scheduler *s, struct glint_entry *e)
+{
+    glint_revision_use(e->revision, 1);
+    atomic_store_explicit(&e->abandoned, false, memory_order_relaxed);
+    s->live[s->lives++] = e;
+    glint_scheduler_enter(s, e, GLINT_JOB_RENDERING);
+    glint_turn_join(s->live, s->lives, e);
+}
+
+static glint_status patch_ended(glint_scheduler *s, struct glint_command *c)
+{
+    struct glint_entry *e = c->entry;
+    const bool longer =
+        c->patch.has_seconds && (!c->patch.seconds || c->patch.seconds > e->render_seconds);
+    if (e->state != GLINT_JOB_DONE || !longer || glint_render_complete(e->render))
+        return glint_fail(c->err, GLINT_E_CONFLICT, "", "the job is %s and has no more to render",
+                          glint_job_state_name(e->state));
+    if (s->stopping || s->lives == GLINT_MAX_LIVE_JOBS)
+        return glint_fail(c->err, GLINT_E_BUSY, "", "no more jobs can render now");
+    glint_state_stop_seconds(s->table, e, c->patch.seconds);
+    if (c->patch.has_priority)
+        glint_state_priority(s->table, e, c->patch.priority);
+    resume(s, e);
+    if (c->patch.has_paused)
+        set_paused(s, e, c->patch.paused);
+    return GLINT_OK;
+}
+
+static void set_seconds(glint_scheduler *s, struct glint_entry *e, double seconds)
+{
+    glint_state_stop_seconds(s->table, e, seconds);
+    const bool more = !seconds || seconds > e->render_seconds;
+    if (e->idle && more && !glint_render_complete(e->render))
+        glint_state_idle(s->table, e, false);
+}
+
+static glint_status patch(glint_scheduler *s, struct glint_command *c)
+{
+    struct glint_entry *e = c->entry;
+    if (!e->listed)
+        return glint_fail(c->err, GLINT_E_NOT_FOUND, "", "the job was forgotten just now");
+    if (glint_state_ended(e->state))
+        return patch_ended(s, c);
+    if (e->end != GLINT_JOB_QUEUED)
+        return glint_fail(c->err, GLINT_E_CONFLICT, "", "the job is about to be %s",
+                          glint_job_state_name(e->end));
+    if (c->patch.has_seconds)
+        set_seconds(s, e, c->patch.seconds);
+    if (c->patch.look) {
+        glint_state_look(s->table, e, &c->patch.look);
+        e->stale = glint_now();
+    }
+    if (c->patch.has_priority && c->patch.priority != e->priority) {
+        glint_state_priority(s->table, e, c->patch.priority);
+        glint_turn_join(s->live, s->lives, e);
+        glint_scheduler_recall(s);
+    }
+    if (c->patch.has_paused)
+        set_paused(s, e, c->patch.paused);
+    s->news = true;
+    return GLINT_OK;
+}
+
+static void scene_changed(glint_scheduler *s, const char *scene)
+{
+    for (size_t i = 0; i < s->lives; i++)
+        if (s->live[i]->job->live && !strcmp(s->live[i]->job->scene, scene))
+            s->live[i]->stale = glint_now();
+}
+
+static void begin_stop(glint_scheduler *s)
+{
+    s->stopping = true;
+    for (size_t i = s->lives; i--;) // backwards: glint_scheduler_end() may take the entry out
+        glint_scheduler_end(s, s->live[i], GLINT_JOB_CANCELLED);
+}
+
+void glint_scheduler_obey(glint_scheduler *s, struct glint_command *c)
+{
+    c->status = GLINT_OK;
+    switch (c->kind) {
+    case GLINT_COMMAND_SUBMIT:
+        c->status = submit(s, c);
+        break;
+    case GLINT_COMMAND_DELETE:
+        c->status = delete (s, c);
+        break;
+    case GLINT_COMMAND_PATCH:
+        c->status = patch(s, c);
+        break;
+    case GLINT_COMMAND_SCENE:
+        scene_changed(s, c->scene);
+        break;
+    case GLINT_COMMAND_WATCH:
+        s->changed = c->changed;
+        s->user = c->user;
+        break;
+    case GLINT_COMMAND_STOP:
+        begin_stop(s);
+        return;
+    }
+    answer(s, c);
+}

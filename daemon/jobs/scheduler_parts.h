@@ -1,0 +1,51 @@
+// scheduler_parts.h - the inside of the scheduler, shared by the file that runs it and the one that
+// obeys commands.
+//
+// Threads: the scheduler's, but for what says otherwise.
+#ifndef GLINT_JOBS_SCHEDULER_PARTS_H
+#define GLINT_JOBS_SCHEDULER_PARTS_H
+
+#include "jobs/crew.h"
+#include "jobs/scheduler.h"
+
+struct glint_scheduler {
+    struct glint_job_table *table;
+    uint64_t film_bytes;
+    glint_crew *crew;
+    glint_queue *inbox;
+    pthread_t thread;
+    bool started;
+
+    // the thread's
+    struct glint_entry *live[GLINT_MAX_LIVE_JOBS]; // not ended, in order of submission
+    size_t lives;
+    uint32_t *load; // [workers] orders out
+    bool preparing; // the preparer has an order
+    bool moving;    // the mover has one
+    bool news;      // a state or description is another: `changed` is called at once
+    bool pixels;    // new pixels: `changed` is called PIXEL_SECONDS after it was the last time
+    double told;    // glint_now() of that
+    void (*changed)(void *user);
+    void *user;
+    bool stopping;
+
+    pthread_mutex_t mutex; // of `answered` in every command under way; a leaf
+    pthread_cond_t answer;
+};
+
+// Carries a command out and answers it.
+void glint_scheduler_obey(glint_scheduler *s, struct glint_command *command);
+
+void glint_scheduler_enter(glint_scheduler *s, struct glint_entry *entry,
+                           enum glint_job_state state);
+
+// Memory may have come free: who waited for it may try again.
+void glint_scheduler_unblock(glint_scheduler *s);
+
+// Takes back what waits at the workers, so that the next slices go to whom they are due.
+void glint_scheduler_recall(glint_scheduler *s);
+
+// The job ends in `state` as soon as none of its slices is out. A decision stands.
+void glint_scheduler_end(glint_scheduler *s, struct glint_entry *entry, enum glint_job_state state);
+
+#endif
