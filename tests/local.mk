@@ -53,6 +53,7 @@ UNIT_TESTS = \
 	tests/unit/test_jobs \
 	tests/unit/test_json \
 	tests/unit/test_live \
+	tests/unit/test_light_grid \
 	tests/unit/test_log \
 	tests/unit/test_metrics \
 	tests/unit/test_multipart \

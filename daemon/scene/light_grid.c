@@ -172,29 +172,27 @@ static void weigh(const struct build *b, const double p[3], double variance, flo
 // ---- tables
 
 // Vose's method on shares that sum to n, keeps in steps of 1/65536; then what is really chosen how
-// often.
+// often, counted in steps.
 static void fill_cell(struct build *b, float *share, uint32_t *entry)
 {
-    const uint32_t n = b->clusters;
+    const uint32_t n = b->clusters, whole = (uint32_t)KEEP_STEPS;
     uint16_t stack[CLUSTERS];
-    float pdf[CLUSTERS];
-    uint32_t small = 0, large = n;
+    uint32_t steps[CLUSTERS], small = 0, large = n;
     for (uint32_t i = 0; i < n; i++) {
-        pdf[i] = 0.0f;
+        steps[i] = 0;
         if (share[i] < 1.0f)
             stack[small++] = (uint16_t)i;
         else
             stack[--large] = (uint16_t)i;
     }
-    const float step = (float)(1.0 / KEEP_STEPS);
     while (small > 0 && large < n) {
         const uint32_t s = stack[--small], l = stack[large];
-        const float steps = fmaxf(roundf(share[s] * (float)KEEP_STEPS), 1.0f);
-        const uint32_t keep = steps > 65535.0f ? 65535 : (uint32_t)steps;
+        const float rounded = fmaxf(roundf(share[s] * (float)KEEP_STEPS), 1.0f);
+        const uint32_t keep = rounded < (float)whole ? (uint32_t)rounded : whole - 1;
         entry[2 * s] = keep << 16 | l;
-        pdf[s] += (float)keep * step;
-        pdf[l] += 1.0f - (float)keep * step;
-        share[l] -= 1.0f - (float)keep * step;
+        steps[s] += keep;
+        steps[l] += whole - keep;
+        share[l] -= (float)(whole - keep) * (float)(1.0 / KEEP_STEPS);
         if (share[l] < 1.0f) {
             large++;
             stack[small++] = (uint16_t)l;
@@ -204,11 +202,11 @@ static void fill_cell(struct build *b, float *share, uint32_t *entry)
         stack[small++] = stack[large++];
     while (small > 0) {
         const uint32_t i = stack[--small];
-        entry[2 * i] = 65535u << 16 | i;
-        pdf[i] += 1.0f;
+        entry[2 * i] = (whole - 1) << 16 | i;
+        steps[i] += whole;
     }
     for (uint32_t i = 0; i < n; i++) {
-        const float p = pdf[i] / (float)n;
+        const float p = (float)(steps[i] / (KEEP_STEPS * n));
         memcpy(&entry[2 * i + 1], &p, sizeof p);
     }
 }
