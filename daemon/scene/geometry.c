@@ -257,12 +257,6 @@ glint_status glint_body_create(glint_body **out, glint_tracer *tracer,
     return st;
 }
 
-glint_body *glint_body_retain(glint_body *body)
-{
-    atomic_fetch_add_explicit(&body->s.references, 1, memory_order_relaxed);
-    return body;
-}
-
 void glint_body_release(glint_body **body)
 {
     if (*body && structure_release(&(*body)->s))

@@ -49,7 +49,6 @@ struct glint_geometry_build {
 glint_status glint_body_create(glint_body **out, glint_tracer *tracer,
                                const struct glint_geometry_mesh *mesh,
                                const struct glint_geometry_build *build, struct glint_error *err);
-glint_body *glint_body_retain(glint_body *body);
 void glint_body_release(glint_body **body);
 uint64_t glint_body_bytes(const glint_body *body);
 

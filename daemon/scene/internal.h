@@ -84,6 +84,7 @@ struct glint_resident {
     struct glint_scene_lighting lighting;
     struct glint_resident_stats stats;
     struct glint_resident_change change;
+    bool made; // `change` is what it is: what is built later is no part of it
 
     const struct glint_resident *from; // only while it is built
 };

@@ -196,6 +196,8 @@ static void charge(struct glint_resident *r, const struct filling *f, double bod
     const enum glint_part part = f->flat ? GLINT_PART_BVH : GLINT_PART_PLACEMENT;
     struct glint_resident_change *c = &r->change;
     r->stats.bvh_seconds += bodies + world;
+    if (r->made)
+        return;
     c->seconds[GLINT_PART_BVH] += bodies;
     c->seconds[part] += world;
     c->items[GLINT_PART_BVH] += f->built;

@@ -207,6 +207,7 @@ glint_status glint_resident_create(glint_resident **out, glint_devices *devices,
     count_bytes(r);
     glint_kept_forget(r);
     r->from = NULL;
+    r->made = true;
     r->free_assets = order->free_assets;
     r->assets = order->assets;
     *out = r;

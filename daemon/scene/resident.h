@@ -51,7 +51,8 @@ struct glint_resident_order {
 glint_status glint_resident_create(glint_resident **out, glint_devices *devices,
                                    const struct glint_resident_order *order,
                                    struct glint_error *err);
-// What was made anew and what was shared.
+// What was made anew and what was shared. Structures that `from` has for live jobs are made at once,
+// those of batch jobs when one asks for them: then they are no part of this.
 const struct glint_resident_change *glint_resident_change(const glint_resident *resident);
 glint_resident *glint_resident_retain(glint_resident *resident);
 void glint_resident_release(glint_resident **resident);
