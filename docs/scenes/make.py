@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """make.py BIN SCENES - renders every scene file below SCENES (hostile/ left out) with the glint and
 glintd in BIN, and writes beside itself: contact.jpg, a sheet of small pictures; khronos-*.jpg, one
-for each feature test and moment; scenes.json, what the daemon said of each file.
+for each feature test and moment; scenes.md, what the daemon said of each file.
 
 Needs python3-openimageio and python3-numpy.
 """
@@ -12,6 +12,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import urllib.error
 import urllib.request
 
 import numpy
@@ -95,12 +96,30 @@ def forget(url, name):
                 f"{url}/v1/jobs/{job['id']}", method='DELETE')).close()
 
 
-def picture(binary, url, name, size, samples, frame, out):
-    done = run([binary / 'glint', 'render', name, '-o', out, '--server', url, '--no-spawn',
-                '--resolution', f'{size[0]}x{size[1]}', '--samples', samples, '--frame', frame,
-                '--outputs', 'beauty'])
-    if done.returncode:
-        print(name, first_line(done.stderr), file=sys.stderr)
+def front(url, name):
+    """The camera that was added to the scene, moved before it: feature tests face +z."""
+    with urllib.request.urlopen(f'{url}/v1/scenes/{name}?format=native') as answer:
+        camera = next(iter(json.load(answer)['cameras'].values()))
+    away, eye = camera['focus_distance'], camera['transform'][12:15]
+    middle = [e - away * back for e, back in zip(eye, (.4, .3, .8660254))]
+    return {'yfov': camera['yfov'],
+            'transform': {'translation': [middle[0], middle[1], middle[2] + .8 * away]}}
+
+
+def picture(url, name, size, samples, work, **more):
+    """The finished frame as sRGB; None where it was refused."""
+    job = {'scene': name, 'resolution': size, 'outputs': ['beauty'],
+           'stop': {'samples': samples}, **more}
+    try:
+        order = urllib.request.Request(f'{url}/v1/jobs', json.dumps(job).encode(),
+                                       {'Content-Type': 'application/json'})
+        with urllib.request.urlopen(order) as answer:
+            place = answer.headers['Location']
+        with urllib.request.urlopen(f'{url}{place}/frame.exr?wait=done') as answer:
+            out = work / f"{place.rsplit('/')[-1]}.exr"  # a name of its own: OpenImageIO caches
+            out.write_bytes(answer.read())
+    except urllib.error.HTTPError as error:
+        print(name, error.read().decode(), file=sys.stderr)
         return None
     pixels = oiio.ImageBuf(str(out)).get_pixels(oiio.FLOAT)[..., :3]
     c = numpy.clip(pixels, 0, 1)
@@ -117,16 +136,6 @@ def save(pixels, path, quality=80):
     out.close()
 
 
-def labelled(pixels, text):
-    height, width = pixels.shape[:2]
-    buf = oiio.ImageBuf(oiio.ImageSpec(width, height + 14, 3, oiio.FLOAT))
-    whole = numpy.ones((height + 14, width, 3), numpy.float32)
-    whole[:height] = pixels
-    buf.set_pixels(oiio.ROI(), whole)
-    oiio.ImageBufAlgo.render_text(buf, 3, height + 11, text[-40:], 10, '', (0, 0, 0))
-    return buf.get_pixels(oiio.FLOAT)
-
-
 def sheet(cells):
     height, width = cells[0].shape[:2]
     rows = -(-len(cells) // COLUMNS)
@@ -135,6 +144,17 @@ def sheet(cells):
         y, x = i // COLUMNS * height, i % COLUMNS * width
         whole[y:y + height, x:x + width] = cell
     return whole
+
+
+def table(said):
+    """Markdown, in the order of the sheet."""
+    lines = ['| row, column | file | triangles | effects | warnings |', '| --- | --- | --- | --- | --- |']
+    for i, (label, scene) in enumerate(said.items()):
+        note = scene.get('problem') or '<br>'.join(scene.get('warnings', []))
+        lines.append(f"| {i // COLUMNS + 1}, {i % COLUMNS + 1} | {label} | "
+                     f"{scene.get('triangles', '-')} | {', '.join(scene.get('effects', []))} | "
+                     f"{note.replace('|', '/')} |")
+    return '\n'.join(lines) + '\n'
 
 
 def main():
@@ -157,15 +177,16 @@ def main():
                            ('triangles', 'effects', 'warnings', 'problem') if resource.get(k)}
             print(label, resource.get('problem', ''), flush=True)
             if 'problem' in resource:
-                cells.append(labelled(numpy.full((CELL[1], CELL[0], 3), .8), label))
+                cells.append(numpy.full((CELL[1], CELL[0], 3), .8))
                 continue
-            small = picture(binary, daemon.url, name, CELL, 64, 0, work / 'small.exr')
+            small = picture(daemon.url, name, CELL, 64, work)
             if small is None:
                 small = numpy.zeros((CELL[1], CELL[0], 3))
-            cells.append(labelled(small, label))
+            cells.append(small)
             feature = path.stem if path.parent.name != 'glTF-Quantized' else None
             for frame in FEATURES.get(feature, []):
-                big = picture(binary, daemon.url, name, BIG, 128, frame, work / 'big.exr')
+                view = {} if len(FEATURES[feature]) > 1 else {'camera': front(daemon.url, name)}
+                big = picture(daemon.url, name, BIG, 128, work, frame=frame, **view)
                 if big is not None:
                     moment = f'-{frame}' if len(FEATURES[feature]) > 1 else ''
                     save(big, HERE / f'khronos-{feature}{moment}.jpg')
@@ -173,7 +194,7 @@ def main():
     finally:
         daemon.stop()
     save(sheet(cells), HERE / 'contact.jpg', 75)
-    (HERE / 'scenes.json').write_text(json.dumps(said, indent=1, sort_keys=True) + '\n')
+    (HERE / 'scenes.md').write_text(table(said))
 
 
 if __name__ == '__main__':
