@@ -256,7 +256,7 @@ static void a_damaged_image_is_refused_by_its_number(void **state)
     (void)state;
     gltf_refuse_quad("'images':[{'bufferView':0}],'textures':[{'source':0}],'materials':[{"
                      "'emissiveTexture':{'index':0}}]",
-                     "/images/0", "not PNG, JPEG or Radiance");
+                     "/images/0", "not PNG, JPEG, Radiance or OpenEXR");
     gltf_refuse_quad(
         "'images':[{}],'textures':[{'source':0}],'materials':[{'emissiveTexture':{'index':0}}]",
         "/images/0", "no data");
