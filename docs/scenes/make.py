@@ -5,8 +5,8 @@ for each feature test and moment; scenes.md, what the daemon said of each file.
 
 Needs python3-openimageio and python3-numpy.
 """
+import base64
 import json
-import os
 import pathlib
 import re
 import subprocess
@@ -27,7 +27,7 @@ FEATURES = {
     'AlphaBlendModeTest': [0], 'AttenuationTest': [0], 'ClearCoatTest': [0],
     'EmissiveStrengthTest': [0], 'MultiUVTest': [0], 'NegativeScaleTest': [0], 'SpecularTest': [0],
     'TextureSettingsTest': [0], 'TextureTransformTest': [0], 'TransmissionTest': [0],
-    'BoxVertexColors': [0], 'AnimatedMorphCube': [0, 16, 48], 'BoxAnimated': [0, 30, 60],
+    'BoxVertexColors': [0], 'AnimatedMorphCube': [0, 16, 48], 'BoxAnimated': [14, 46, 79],
     'RiggedSimple': [0, 12, 24],
 }
 
@@ -54,7 +54,6 @@ def scene_files(root):
 
 def environment_scene(path):
     """A mirror, a glass and a grey ball in the light of a picture, as a native scene."""
-    import base64
     kind = {'.hdr': 'image/vnd.radiance', '.exr': 'image/x-exr'}[path.suffix]
     data = base64.b64encode(path.read_bytes()).decode()
     balls = {'mirror': {'metallic': 1, 'roughness': 0}, 'grey': {'base_color': [.5, .5, .5]},
@@ -94,6 +93,21 @@ def forget(url, name):
         for job in json.load(answer)['jobs']:
             urllib.request.urlopen(urllib.request.Request(
                 f"{url}/v1/jobs/{job['id']}", method='DELETE')).close()
+
+
+def added(resource, what):
+    return any(what in text and 'was added' in text for text in resource['warnings'])
+
+
+def light(url, name, picture):
+    """A picture all around instead of a constant: white things are seen before it."""
+    data = base64.b64encode(picture.read_bytes()).decode()
+    patch = {'images': {'contact-sky': {'data': f'data:image/x-exr;base64,{data}'}},
+             'environment': {'image': 'contact-sky', 'radiance': [1, 1, 1]}}
+    order = urllib.request.Request(
+        f'{url}/v1/scenes/{name}', json.dumps(patch).encode(),
+        {'Content-Type': 'application/merge-patch+json'}, method='PATCH')
+    urllib.request.urlopen(order).close()
 
 
 def front(url, name):
@@ -179,13 +193,16 @@ def main():
             if 'problem' in resource:
                 cells.append(numpy.full((CELL[1], CELL[0], 3), .8))
                 continue
+            if added(resource, 'environment'):
+                light(daemon.url, name, root / 'env' / 'sunset.dwab.exr')
             small = picture(daemon.url, name, CELL, 64, work)
             if small is None:
                 small = numpy.zeros((CELL[1], CELL[0], 3))
             cells.append(small)
             feature = path.stem if path.parent.name != 'glTF-Quantized' else None
             for frame in FEATURES.get(feature, []):
-                view = {} if len(FEATURES[feature]) > 1 else {'camera': front(daemon.url, name)}
+                turned = len(FEATURES[feature]) == 1 and added(resource, 'camera')
+                view = {'camera': front(daemon.url, name)} if turned else {}
                 big = picture(daemon.url, name, BIG, 128, work, frame=frame, **view)
                 if big is not None:
                     moment = f'-{frame}' if len(FEATURES[feature]) > 1 else ''
