@@ -1,5 +1,6 @@
 #include "http/answer.h"
 #include "http/contract.h"
+#include "http/media.h"
 #include "http/resources.h"
 #include "http/routes.h"
 #include "protocol/dials.h"
@@ -126,7 +127,6 @@ static void add_tonemaps(cJSON *object)
 
 void glint_http_service_describe(struct glint_request *r)
 {
-    static const char *const types[] = {"model/gltf-binary", "application/json", NULL};
     const glint_http *h = r->http;
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "name", "glint");
@@ -136,7 +136,7 @@ void glint_http_service_describe(struct glint_request *r)
     cJSON_AddStringToObject(device, "version", glint_devices_version(h->devices));
     cJSON_AddNumberToObject(device, "workers", glint_devices_workers(h->devices));
     cJSON_AddItemToArray(cJSON_AddArrayToObject(o, "devices"), device);
-    add_names(o, "scene_types", types);
+    add_names(o, "scene_types", glint_media_scenes);
     add_outputs(o);
     add_tonemaps(o);
     add_dials(o);

@@ -174,6 +174,8 @@ def test_the_service_pages_tell_what_they_should():
         about = daemon.get("/v1").json()
         assert about["devices"][0]["workers"] >= 1
         assert {"beauty", "crypto_object"} <= set(about["outputs"])
+        types = daemon.ask("PUT", "/v1/scenes/s", b"x", {"Content-Type": "text/x-c"}).json()["detail"]
+        assert types.endswith(" is not one of " + ", ".join(about["scene_types"])), types
         assert [d["name"] for d in about["dials"]] and about["presets"][0]["name"] == "production"
         assert daemon.get("/readyz").status == 200
         head = daemon.ask("HEAD", "/openapi.yaml")
