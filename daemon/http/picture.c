@@ -19,6 +19,7 @@ static const struct {
     {GLINT_OUT_NORMAL, {"N.X", "N.Y", "N.Z"}},
     {GLINT_OUT_DEPTH, {"Z"}},
     {GLINT_OUT_SAMPLES, {"samples.Y"}},
+    {GLINT_OUT_MOTION, {"forward.u", "forward.v", "forward.v"}},
 };
 
 static const char *crypto_type(uint32_t output)
@@ -58,8 +59,9 @@ static glint_status paint_ids(const struct glint_frame *frame, const char *type,
     }
 }
 
-// Undoes the transfer curve that follows: without exposure the bytes are those of a normal map.
-static void paint_normal(float *rgb, size_t values)
+// From -1 to 1. Undoes the transfer curve that follows: without exposure the bytes are those of a
+// normal map.
+static void paint_signed(float *rgb, size_t values)
 {
     for (size_t i = 0; i < values; i++) {
         const float shown = fmaxf(0.5f * rgb[i] + 0.5f, 0);
@@ -89,6 +91,17 @@ static void paint_samples(float *grey, size_t pixels)
         grey[i] /= most;
 }
 
+// Grey is rest; the fastest pixel reaches 0 or 1, of u in red and of v in green.
+static void paint_motion(float *rgb, size_t pixels)
+{
+    float most = 1e-30f;
+    for (size_t i = 0; i < 2 * pixels; i++)
+        most = fmaxf(most, fabsf(rgb[i]));
+    for (size_t i = 0; i < 2 * pixels; i++)
+        rgb[i] /= most;
+    memset(rgb + 2 * pixels, 0, pixels * sizeof *rgb);
+}
+
 // Copies the output's planes to rgb[3][pixels] and makes them a colour.
 static glint_status paint(const struct glint_frame *frame, uint32_t output, float *rgb,
                           const float **alpha, struct glint_error *err)
@@ -110,8 +123,10 @@ static glint_status paint(const struct glint_frame *frame, uint32_t output, floa
         else if (output == GLINT_OUT_SAMPLES)
             paint_samples(rgb + c * pixels, pixels);
     }
-    if (output == GLINT_OUT_NORMAL)
-        paint_normal(rgb, 3 * pixels);
+    if (output == GLINT_OUT_MOTION)
+        paint_motion(rgb, pixels);
+    if (output == GLINT_OUT_NORMAL || output == GLINT_OUT_MOTION)
+        paint_signed(rgb, 3 * pixels);
     *alpha = layout[row].name[3] ? glint_frame_find(frame, layout[row].name[3]) : NULL;
     return GLINT_OK;
 }

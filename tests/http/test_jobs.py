@@ -43,7 +43,7 @@ def test_a_job_is_rendered_and_described():
     with Daemon() as daemon:
         revision = daemon.put("room", ROOM).json()["revision"]
         answer = daemon.post({"scene": "room", "resolution": [128, 96], "stop": {"samples": 32},
-                              "outputs": ["beauty", "depth", "normal", "crypto_object"]})
+                              "outputs": ["beauty", "depth", "normal", "crypto_object", "motion"]})
         assert answer.status == 202
         job = answer.json()["id"]
         assert answer.headers["Location"] == f"/v1/jobs/{job}"
@@ -52,7 +52,7 @@ def test_a_job_is_rendered_and_described():
         assert (state["state"], state["samples"], state["progress"]) == ("done", 32, 1)
         assert state["revision"] == revision and state["seconds"] > 0
         assert [j["id"] for j in daemon.get("/v1/jobs").json()["jobs"]] == [job]
-        for output in ("beauty", "depth", "normal", "crypto_object"):
+        for output in ("beauty", "depth", "normal", "crypto_object", "motion"):
             picture = daemon.get(f"/v1/jobs/{job}/frame.png?output={output}&exposure=-1.5")
             assert picture.status == 200 and picture.body[:8] == PNG_MAGIC, output
         assert daemon.get(f"/v1/jobs/{job}/frame.png?output=albedo").status == 422
