@@ -190,6 +190,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/light_grid.h \
 	daemon/scene/lights.c \
 	daemon/scene/materials.c \
+	daemon/scene/matrix.c \
+	daemon/scene/matrix.h \
 	daemon/scene/mattes.c \
 	daemon/scene/model.c \
 	daemon/scene/model.h \

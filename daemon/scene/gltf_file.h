@@ -5,6 +5,7 @@
 #include "protocol/json.h"
 #include "protocol/scene.h"
 #include "scene/files.h"
+#include "scene/matrix.h"
 
 // --- names
 
@@ -315,8 +316,6 @@ void glint_gltf_read_lights(struct glint_gltf *g);
 void glint_gltf_read_cameras(struct glint_gltf *g);
 
 // --- gltf_matrix.c: column-major, double
-void glint_gltf_multiply(double out[16], const double a[16], const double b[16]);
-void glint_gltf_compose(double out[16], const double t[3], const double q[4], const double s[3]);
 // The reverse, with a negative scale where m mirrors. Returns false when compose would not give m
 // back: it is sheared or has an axis without length.
 bool glint_gltf_decompose(const double m[16], double t[3], double q[4], double s[3]);

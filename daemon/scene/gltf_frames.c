@@ -31,7 +31,7 @@ static uint32_t choose(struct glint_gltf *g)
 static void multiply_rest(struct glint_gltf_node *n, const struct glint_gltf_node *above)
 {
     if (above)
-        glint_gltf_multiply(n->rest, above->rest, n->local);
+        glint_matrix_multiply(n->rest, above->rest, n->local);
     else
         memcpy(n->rest, n->local, sizeof n->rest);
 }
@@ -41,7 +41,7 @@ static bool take_apart(struct glint_gltf_node *n)
 {
     const bool clean = glint_gltf_decompose(n->local, n->translation, n->rotation, n->scale);
     n->matrix = false;
-    glint_gltf_compose(n->local, n->translation, n->rotation, n->scale);
+    glint_matrix_compose(n->local, n->translation, n->rotation, n->scale);
     return clean;
 }
 
@@ -69,7 +69,7 @@ static bool stay_regular(struct glint_gltf *g, struct glint_gltf_node *n, const 
         if (fabs(n->scale[i]) < TINY)
             n->scale[i] = n->shrunk ? 1 : TINY;
     n->shrunk = true;
-    glint_gltf_compose(n->local, n->translation, n->rotation, n->scale);
+    glint_matrix_compose(n->local, n->translation, n->rotation, n->scale);
     multiply_rest(n, above);
     glint_gltf_note(g, "node without size",
                     "node \"%.200s\" has no size in some direction; it gets a tiny one", name);

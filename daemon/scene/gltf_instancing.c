@@ -79,7 +79,7 @@ static bool compose(double out[16], const float *t, const float *q, const float 
     }
     for (int i = 0; i < 4; i++)
         rotation[i] /= sqrt(square);
-    glint_gltf_compose(out, translation, rotation, scale);
+    glint_matrix_compose(out, translation, rotation, scale);
     return square > 1e-12;
 }
 

@@ -159,7 +159,7 @@ static void place(struct glint_gltf *g, const struct showing *w, const double be
 {
     const struct glint_gltf_node *n = &g->node[w->node];
     double world[16];
-    glint_gltf_multiply(world, n->world, below);
+    glint_matrix_multiply(world, n->world, below);
     if (w->skin != GLINT_NONE) {
         bind(g, w, in);
         in->node = n->weighs ? n->frame : GLINT_NONE; // whose channels morph it
@@ -214,7 +214,7 @@ static bool has_volume(struct glint_gltf *g, const struct showing *w, const doub
     const struct glint_gltf_node *n = &g->node[w->node];
     double world[16];
     float single[16];
-    glint_gltf_multiply(world, n->moves ? n->rest : n->world, below);
+    glint_matrix_multiply(world, n->moves ? n->rest : n->world, below);
     if (w->skin != GLINT_NONE || glint_gltf_to_float(single, world))
         return true;
     const char *name = n->name;

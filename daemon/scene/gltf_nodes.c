@@ -56,7 +56,7 @@ static void read_local(const struct glint_json *node, struct glint_gltf_node *n)
     }
     for (int i = 0; i < 4; i++)
         q[i] /= length;
-    glint_gltf_compose(n->local, n->translation, q, n->scale);
+    glint_matrix_compose(n->local, n->translation, q, n->scale);
 }
 
 static const char *read_asset(struct glint_gltf *g, const struct glint_json *node)
@@ -86,7 +86,7 @@ static void read_node(struct glint_gltf *g, uint32_t i, uint32_t parent)
     if (!n->asset && above)
         n->asset = above->asset;
     if (above)
-        glint_gltf_multiply(n->world, above->world, n->local);
+        glint_matrix_multiply(n->world, above->world, n->local);
     else
         memcpy(n->world, n->local, sizeof n->local);
     glint_gltf_ignored(g, &at, "node", n->name, known);

@@ -139,7 +139,7 @@ static void at_key(const double *transform, bool moves, const float *own, uint32
     if (transform)
         memcpy(out, transform + (moves ? (size_t)16 * key : 0), sizeof(double[16]));
     else
-        glint_pose_widen(out, own);
+        glint_matrix_widen(out, own);
 }
 
 void glint_pose_instance_at(const struct glint_pose *pose, const struct glint_scene *scene,

@@ -149,8 +149,8 @@ static void multiply_all(const struct glint_pose_work *w, uint32_t i, struct gli
     const struct glint_instance *in = &w->scene->instance[i];
     if (skin_of(w->scene, in) != GLINT_NONE) {
         double own[16];
-        glint_pose_widen(own, in->transform);
-        glint_pose_multiply(t->m[0], own, w->shape[w->shape_of[i]].frame);
+        glint_matrix_widen(own, in->transform);
+        glint_matrix_multiply(t->m[0], own, w->shape[w->shape_of[i]].frame);
         return;
     }
     for (uint32_t m = 0; m < moments; m++)

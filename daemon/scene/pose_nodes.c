@@ -104,7 +104,7 @@ static bool local(const struct glint_pose_nodes *n, uint32_t node, struct glint_
 {
     const struct glint_node *from = &n->scene->node[node];
     if (from->matrix) {
-        glint_pose_widen(out, from->transform);
+        glint_matrix_widen(out, from->transform);
         return true;
     }
     const float *rest[3] = {from->translation, from->rotation, from->scale};
@@ -117,7 +117,7 @@ static bool local(const struct glint_pose_nodes *n, uint32_t node, struct glint_
         if (c)
             fine &= glint_pose_channel(c, at, rest[p], value[p]);
     }
-    glint_pose_compose(out, value[0], value[1], value[2]);
+    glint_matrix_compose(out, value[0], value[1], value[2]);
     return fine;
 }
 
@@ -134,7 +134,7 @@ static void place(struct glint_pose_nodes *n, uint32_t node)
         if (parent == GLINT_NONE)
             memcpy(out, own, sizeof own);
         else
-            glint_pose_multiply(out, glint_pose_world(n, parent, m), own);
+            glint_matrix_multiply(out, glint_pose_world(n, parent, m), own);
     }
     n->vanished += !fine;
 }

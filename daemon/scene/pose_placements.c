@@ -42,7 +42,7 @@ static uint32_t make_rigid(glint_pose_matrix *m, uint32_t moments, const float *
     static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     double last[16];
     uint32_t bad = 0;
-    glint_pose_widen(last, own);
+    glint_matrix_widen(last, own);
     if (!glint_pose_rigid(last, last))
         memcpy(last, identity, sizeof last);
     for (uint32_t i = 0; i < moments; i++) {

@@ -204,7 +204,7 @@ static void measure_joint(struct glint_pose_shape *s, const struct measure *me,
     }
     s->bends |= moves;
     follow_corners(all, &b, m, moves);
-    all->sides += glint_pose_determinant(m[0]) < 0 ? -1 : 1;
+    all->sides += glint_matrix_determinant(m[0]) < 0 ? -1 : 1;
     all->used++;
 }
 
@@ -292,7 +292,7 @@ static void fill_matrices(const struct glint_pose_shape *s, struct filling *f, u
     for (uint32_t j = 0; j < skin->joints; j++) {
         double to_world[16], m[16];
         joint_matrix(to_world, f->nodes, skin, j, moment);
-        glint_pose_multiply(m, s->back, to_world);
+        glint_matrix_multiply(m, s->back, to_world);
         for (int i = 0; i < 16; i++)
             f->matrix[(size_t)16 * j + i] = (float)m[i];
     }

@@ -5,6 +5,7 @@
 #ifndef GLINT_SCENE_POSE_WORK_H
 #define GLINT_SCENE_POSE_WORK_H
 
+#include "scene/matrix.h"
 #include "scene/pose.h"
 
 #define GLINT_POSE_MOMENTS 17u // of the shutter: the keys and what lies half-way between them
@@ -13,12 +14,8 @@
 typedef double glint_pose_matrix[16];
 
 // pose_matrix.c
-void glint_pose_multiply(double out[16], const double a[16], const double b[16]);
 void glint_pose_multiply_float(double out[16], const double a[16], const float b[16]);
-void glint_pose_widen(double out[16], const float m[16]);
-void glint_pose_compose(double out[16], const double t[3], const double q[4], const double s[3]);
 void glint_pose_point(double out[3], const double m[16], const double p[3]);
-double glint_pose_determinant(const double m[16]); // of the linear part
 // Neither singular, by the measure of the parser of scenes, nor out of bounds for a thing that
 // reaches as far as `reach` from its origin.
 bool glint_pose_drawable(const double m[16], double reach);
