@@ -103,6 +103,24 @@ struct glint_frame *stable_frame(const struct offline *o, char *scene, char *job
     return frame;
 }
 
+uint64_t stable_rejected(const struct offline *o, char *scene, char *text)
+{
+    struct glint_error err = {0};
+    glint_resident *resident = offline_load_text(o, scene);
+    struct glint_job *job = offline_job(text);
+    glint_render *render = NULL;
+    if (glint_render_create(&render, o->devices, resident, NULL, job, &err))
+        offline_die("render", &err);
+    offline_render(o, render);
+    const uint64_t rejected = rejected_samples(render);
+    glint_render_destroy(&render);
+    glint_job_destroy(&job);
+    glint_resident_release(&resident);
+    free(scene);
+    free(text);
+    return rejected;
+}
+
 static glint_status load(const struct offline *o, const char *text, struct glint_error *err)
 {
     const struct glint_import_limits limits = {(size_t)1 << 30, 60.0};

@@ -22,6 +22,9 @@ char *stable_job(const char *members);
 struct glint_frame *stable_frame(const struct offline *o, char *scene, char *job);
 struct glint_frame *stable_frame_of(const struct offline *o, glint_resident *scene, char *job);
 
+// Samples that a render rejects. The texts are freed.
+uint64_t stable_rejected(const struct offline *o, char *scene, char *job);
+
 // Fails unless loading is refused with a fault at `pointer`. The text is freed.
 void stable_refused(const struct offline *o, char *scene, const char *pointer);
 

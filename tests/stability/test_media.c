@@ -222,6 +222,25 @@ static void eight_nested_glasses_are_invisible_in_white_light(void **state)
     }
 }
 
+// Balls one in the other: eight are known, the ninth ends the path, and that is counted.
+static void a_ninth_nested_solid_is_a_rejected_sample(void **state)
+{
+    (void)state;
+    for (int balls = 8; balls <= 9; balls++) {
+        char instance[2048] = "";
+        for (int i = 0; i < balls; i++)
+            snprintf(instance + strlen(instance), sizeof instance - strlen(instance),
+                     "%s'%d':{'mesh':'ball','material':'glass','transform':{'scale':[%d,%d,%d]}}",
+                     i ? "," : "", i, i + 1, i + 1, i + 1);
+        char *scene = stable_text("{" WHITE "'meshes':{'ball':{'primitive':'sphere'}},'materials':{"
+                                  "'glass':" GLASS(1.5, 1) "},'instances':{%s}," EYE(30) "}",
+                                  instance);
+        const uint64_t rejected =
+            stable_rejected(&o, scene, stable_job("'resolution':[8,8],'stop':{'samples':4}"));
+        assert_int_equal(rejected > 0, balls == 9);
+    }
+}
+
 // ---- blended and single-sided surfaces
 
 #define PANE(name, a, e)                                                          \
@@ -335,6 +354,7 @@ int main(void)
         cmocka_unit_test(what_is_inside_a_solid_is_seen_through_its_part),
         cmocka_unit_test(where_solids_overlap_the_highest_priority_is_there),
         cmocka_unit_test(eight_nested_glasses_are_invisible_in_white_light),
+        cmocka_unit_test(a_ninth_nested_solid_is_a_rejected_sample),
         cmocka_unit_test(blended_panes_lie_over_each_other),
         cmocka_unit_test(blended_panes_let_their_share_of_light_through),
         cmocka_unit_test(single_sided_sheets_are_seen_from_their_front_only),
