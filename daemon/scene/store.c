@@ -126,16 +126,29 @@ static glint_status check_match_locked(glint_store *s, const char *name, const c
     return st;
 }
 
-// The scene's revision if it is `id` already; and the usage that its next revision shares, retained.
+// Whether the revision came with the same warnings: equal scenes are made from different files.
+static bool warns_alike(const glint_revision *revision, const struct glint_import *import)
+{
+    struct glint_edit known = {0};
+    glint_revision_edit(revision, &known);
+    bool same = known.import->warnings == import->warnings;
+    for (size_t i = 0; same && i < import->warnings; i++)
+        same = !strcmp(known.import->warning[i], import->warning[i]);
+    return same;
+}
+
+// The scene's revision if it is what `import`, whose hash is `id`, would make; else the usage that
+// its next one shares, if any. Both are retained.
 static glint_revision *look_up(glint_store *s, const char *name, const char *id,
-                               struct glint_usage **usage)
+                               const struct glint_import *import, struct glint_usage **usage)
 {
     glint_revision *same = NULL;
     *usage = NULL;
     pthread_mutex_lock(&s->mutex);
     bool found;
     const size_t at = find(s, name, &found);
-    if (found && !strcmp(glint_revision_id(s->scene[at].current), id))
+    const glint_revision *current = found ? s->scene[at].current : NULL;
+    if (found && !strcmp(glint_revision_id(current), id) && warns_alike(current, import))
         same = glint_revision_retain(s->scene[at].current);
     else if (found)
         *usage = glint_usage_retain(glint_revision_usage(s->scene[at].current));
@@ -180,14 +193,13 @@ static glint_status publish(glint_store *s, const char *name, const char *if_mat
 
 // Takes `import`.
 static glint_status load(glint_store *s, const char *name, struct glint_import *import,
-                         glint_revision **out, bool *same, struct glint_error *err)
+                         glint_revision **out, struct glint_error *err)
 {
     char id[65];
     struct glint_usage *usage;
     glint_revision_hash(import, id);
-    *out = look_up(s, name, id, &usage);
-    *same = *out != NULL;
-    if (*same) {
+    *out = look_up(s, name, id, import, &usage);
+    if (*out) {
         glint_import_destroy(&import);
         return GLINT_OK;
     }
@@ -212,10 +224,9 @@ static glint_status import_and_publish(glint_store *s, const char *name,
     struct glint_import *import;
     struct glint_import_source with_assets = *source;
     with_assets.assets = s->assets;
-    bool same;
     glint_status st = glint_import_run(s->importer, &with_assets, &s->limits, &import, err);
     if (!st)
-        st = load(s, name, import, out, &same, err);
+        st = load(s, name, import, out, err);
     if (st)
         return st;
 

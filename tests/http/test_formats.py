@@ -89,6 +89,10 @@ def test_a_gltf_with_its_files_is_one_form():
                                    "notes.txt": b"unused"})
         assert answer.status == 201, answer.body
         assert any("notes.txt" in w for w in answer.json()["warnings"])
+        again = put_form(daemon, {"sail.gltf": gltf(image="tex/red.png"),
+                                  "tri angle.bin": TRIANGLE, "tex/red.png": png()})
+        assert again.json()["revision"] == answer.json()["revision"]
+        assert not any("notes.txt" in w for w in again.json()["warnings"])
         image, = native(daemon)["images"].values()
         assert (image["width"], image["height"], image["asset"]) == (
             2, 1, name_of(b"\xff\0\0\xff" * 2))
