@@ -51,12 +51,12 @@ void glint_scheduler_unblock(glint_scheduler *s)
 
 static void settle(glint_scheduler *s, struct glint_entry *e)
 {
+    glint_revision_use(e->revision, -1); // first: who sees the job ended may delete its scene
     glint_scheduler_enter(s, e, e->end);
     e->end = GLINT_JOB_QUEUED;
     remove_live(s, e);
     glint_scheduler_unblock(s);
     glint_crew_dispose(s->crew, &e->next_view, &e->next_revision);
-    glint_revision_use(e->revision, -1);
     glint_log(e->state == GLINT_JOB_FAILED ? GLINT_LOG_WARNING : GLINT_LOG_INFO, "jobs", e->id,
               NULL, "%s after %.3f s%s%s", glint_job_state_name(e->state), e->render_seconds,
               e->problem.status ? ": " : "",

@@ -258,8 +258,11 @@ void glint_revision_release(glint_revision **revision)
     if (!r || atomic_fetch_sub_explicit(&r->references, 1, memory_order_acq_rel) != 1)
         return;
     atomic_fetch_sub(r->resident_bytes, total_bytes(&r->stats));
+    while (r->poses)
+        forget_pose(r, r->poses - 1);
     glint_resident_release(&r->rest.resident);
     glint_usage_release(&r->usage);
+    pthread_mutex_destroy(&r->mutex);
     free(r->name);
     free(r);
 }

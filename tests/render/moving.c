@@ -142,8 +142,11 @@ char *moving_lamps(void)
 
 char *moving_job(double open, double close, int side, int samples, int seed)
 {
-    return stable_job(stable_text("'fps':1,'frame':0,'shutter':[%.9g,%.9g],'resolution':[%d,%d],"
-                                  "'filter':{'kind':'box','width':1},'max_bounces':2,'seed':%d,"
-                                  "'stop':{'samples':%d}",
-                                  open, close, side, side * 3 / 4, seed, samples));
+    char *members = stable_text("'fps':1,'frame':0,'shutter':[%.9g,%.9g],'resolution':[%d,%d],"
+                                "'filter':{'kind':'box','width':1},'max_bounces':2,'seed':%d,"
+                                "'stop':{'samples':%d}",
+                                open, close, side, side * 3 / 4, seed, samples);
+    char *job = stable_job(members);
+    free(members);
+    return job;
 }

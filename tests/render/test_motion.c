@@ -175,9 +175,10 @@ static void lamps_that_pass_light_as_the_mean_of_their_stills(void **state)
 static struct glint_frame *frame_of(char *text, char *members)
 {
     struct glint_posed scene = offline_load_posed_text(&o, text);
-    char *job = stable_job(stable_text("'resolution':[64,48],'max_bounces':2,"
-                                       "'stop':{'samples':8},%s",
-                                       members));
+    char *whole =
+        stable_text("'resolution':[64,48],'max_bounces':2,'stop':{'samples':8},%s", members);
+    char *job = stable_job(whole);
+    free(whole);
     struct glint_frame *f = offline_frame_posed(&o, &scene, job, 0);
     glint_resident_release(&scene.resident);
     free(job);
