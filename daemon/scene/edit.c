@@ -210,8 +210,8 @@ glint_status glint_edit_run(const struct glint_edit *e, const char *patch, size_
     *scene = NULL;
     glint_status st = apply(e, patch, length, &text, err);
     if (!st)
-        st = memmem(patch, length, "\"data\"", 6) ? edit_in_child(e, text, import, scene, err)
-                                                  : edit_here(e, text, import, scene, err);
+        st = memmem(patch, length, "\"images\"", 8) ? edit_in_child(e, text, import, scene, err)
+                                                    : edit_here(e, text, import, scene, err);
     free(text);
     if (st) {
         glint_scene_destroy(scene);

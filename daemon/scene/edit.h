@@ -1,7 +1,7 @@
 // edit.h - a merge patch (RFC 7396) of a scene's native form.
 //
 // The text is a client's: it is checked by the parser as any other, here, because nothing in it has
-// to be decoded; where it brings pictures as data URIs, the import child decodes them.
+// to be decoded; where the patch has images, which may be encoded, the import child decodes them.
 //
 // Threads: any loader.
 #ifndef GLINT_SCENE_EDIT_H

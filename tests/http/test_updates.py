@@ -1,5 +1,6 @@
 """PATCH of scenes and cameras: merge patches, conditions, who follows and who does not."""
 import base64
+import hashlib
 import json
 import struct
 import tempfile
@@ -150,6 +151,13 @@ def test_a_patch_brings_pictures_and_meshes():
             "materials": {"red": {"base_color_texture": {"image": "dot"}}}})
         assert answer.status == 200, answer.body
         assert native(daemon)["images"]["dot"]["width"] == 1
+        green = png((0, 255, 0))
+        name = hashlib.sha256(green).hexdigest()
+        assert daemon.ask("PUT", f"/v1/assets/{name}", green,
+                          {"Content-Type": "application/octet-stream"}).status == 201
+        answer = patch(daemon, {"images": {"leaf": {"asset": name}}})
+        assert answer.status == 200, answer.body
+        assert native(daemon)["images"]["leaf"]["format"] == "rgba8"
         answer = patch(daemon, {
             "meshes": {"flag": {"positions": [0, 0, 0, 1, 0, 0, 0, 1, 0], "indices": [0, 1, 2]}},
             "instances": {"flag": {"mesh": "flag", "material": "red"}}})
