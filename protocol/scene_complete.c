@@ -67,12 +67,25 @@ static void add_environment(struct glint_scene *s, const char *why)
     glint_scene_warn(s, "%s: a constant environment of radiance 1 was added", why);
 }
 
+static void warn_of_endless_medium(struct glint_scene *s)
+{
+    bool afar = s->has_environment;
+    for (uint32_t i = 0; i < s->lights; i++)
+        afar |= s->light[i].kind == GLINT_LIGHT_SUN;
+    if (s->media && s->medium[0].density > 0 && !s->medium[0].bounded && afar)
+        glint_scene_warn(s,
+                         "medium \"%s\" has no box, so it has no end: nothing of the environment "
+                         "and of suns comes through",
+                         s->medium[0].id);
+}
+
 glint_status glint_scene_complete(struct glint_scene *scene, struct glint_error *err)
 {
     if (!scene->cameras && !add_camera(scene))
         return glint_fail(err, GLINT_E_NOMEM, "/cameras", "no memory for a camera");
     if (!scene->lights && !scene->has_environment && !(brightest(scene) > 0))
         add_environment(scene, "nothing in the scene emits");
+    warn_of_endless_medium(scene);
     return GLINT_OK;
 }
 

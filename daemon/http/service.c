@@ -49,6 +49,8 @@ void glint_http_service_ready(struct glint_request *r)
         glint_fail(&err, GLINT_E_BUSY, "", "the server stops");
     if (!glint_devices_workers(r->http->devices))
         glint_fail(&err, GLINT_E_BUSY, "", "there is no worker");
+    if (!glint_store_imports(r->http->store))
+        glint_fail(&err, GLINT_E_BUSY, "", "the import helper is gone: no scene can be taken");
     if (err.count) {
         glint_answer_error(r, &err);
         return;

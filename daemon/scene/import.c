@@ -7,6 +7,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -210,6 +211,12 @@ static glint_status log_end(const struct glint_import_reply *r,
               (unsigned long long)request->size, type_name[request->type], r->signal, r->code,
               r->timed_out ? ", out of time" : "");
     return status;
+}
+
+bool glint_importer_lives(const glint_importer *im)
+{
+    struct pollfd end = {.fd = im->socket};
+    return poll(&end, 1, 0) == 0 || !(end.revents & (POLLHUP | POLLERR));
 }
 
 static glint_status exchange(glint_importer *im, const struct glint_import_request *request,

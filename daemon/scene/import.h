@@ -46,6 +46,8 @@ struct glint_import_limits {
 // Forks the helper. It dies with the parent.
 glint_status glint_importer_create(glint_importer **out, struct glint_error *err);
 void glint_importer_destroy(glint_importer **importer);
+// False once the helper has died: nothing is imported any more.
+bool glint_importer_lives(const glint_importer *importer);
 
 struct glint_import {
     char *text; // canonical native JSON

@@ -459,6 +459,11 @@ cJSON *glint_store_list(glint_store *s)
     return list;
 }
 
+bool glint_store_imports(const glint_store *s)
+{
+    return glint_importer_lives(s->importer);
+}
+
 void glint_store_stats(glint_store *s, struct glint_store_stats *out)
 {
     pthread_mutex_lock(&s->mutex);

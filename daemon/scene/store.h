@@ -62,6 +62,7 @@ struct glint_store_stats {
     uint64_t imports, import_failures;
 };
 void glint_store_stats(glint_store *store, struct glint_store_stats *out);
+bool glint_store_imports(const glint_store *store); // false: it can take no more files
 
 glint_revision *glint_revision_retain(glint_revision *revision);
 void glint_revision_release(glint_revision **revision);
@@ -77,7 +78,7 @@ const char *glint_revision_id(const glint_revision *revision); // 64 hex digits
 const char *glint_revision_native(const glint_revision *revision, size_t *length);
 // The scene resource of PROTOCOL.md with warnings, effects, bytes by kind, seconds by load stage.
 cJSON *glint_revision_resource(const glint_revision *revision);
-// {"rebuilt": [names of parts], "uploaded": [...], "refitted": [...], "kept": [...],
+// {"rebuilt": [names of parts], "uploaded": [...], "later": [...], "kept": [...],
 //  "items": {name: made anew}, "milliseconds": {name: ..., "parse": ..., "total": ...}}
 cJSON *glint_patch_describe(const struct glint_patch_report *report);
 

@@ -365,6 +365,7 @@ static void without_its_helper_an_import_fails_and_does_not_wait(void **state)
     struct glint_error err = {0};
     const pid_t first = child_of(getpid());
     assert_int_equal(glint_importer_create(&lost, NULL), GLINT_OK);
+    assert_true(glint_importer_lives(lost));
     pid_t pids[2] = {0};
     char path[80];
     snprintf(path, sizeof path, "/proc/self/task/%d/children", getpid());
@@ -379,6 +380,7 @@ static void without_its_helper_an_import_fails_and_does_not_wait(void **state)
                                       NULL, &im, &err),
                      GLINT_E_INTERNAL);
     assert_string_equal(err.fault[0].detail, "the import helper is gone");
+    assert_false(glint_importer_lives(lost));
     glint_error_finish(&err);
     glint_importer_destroy(&lost);
 }

@@ -161,6 +161,13 @@ static void a_scene_has_one_medium_at_most(void **state)
     assert_true(s->medium[0].bounded && s->medium[0].box[1] == -2 && s->medium[0].box[5] == 3);
     assert_true(s->medium[0].albedo[2] == 0.3f && s->medium[0].g == -0.5f);
     glint_scene_destroy(&s);
+    s = parse("{'media':{'fog':{'density':2}},'environment':{}}");
+    assert_non_null(strstr(s->warning[s->warnings - 1], "\"fog\" has no box"));
+    glint_scene_destroy(&s);
+    s = parse("{'media':{'fog':{'density':2,'box':[0,0,0,1,1,1]}},'environment':{}}");
+    for (uint32_t k = 0; k < s->warnings; k++)
+        assert_null(strstr(s->warning[k], "box"));
+    glint_scene_destroy(&s);
     refuse("{'media':{'a':{'density':1},'b':{'density':1}}}", "/media/b=one medium");
     refuse("{'media':{'a':{'density':-1,'albedo':[0,0,2],'g':1.5,'box':[0,0,0,1,1]}}}",
            "/media/a/density|/media/a/albedo/2|/media/a/g|/media/a/box");
