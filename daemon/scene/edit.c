@@ -72,17 +72,41 @@ static void free_block(void *base, size_t bytes)
     free(base);
 }
 
-// An import with a copy of the text and of the warnings of the scene before, in one block.
-static struct glint_import *new_import(const struct glint_import *before, const char *text,
-                                       size_t length)
+// A text and what it was read with.
+struct told {
+    const char *text;
+    size_t length;
+    char **warning;
+    size_t warnings;
+};
+
+static size_t bytes_of(char **warning, size_t count)
 {
-    size_t bytes = length + 1;
-    for (size_t i = 0; i < before->warnings; i++)
-        bytes += strlen(before->warning[i]) + 1;
+    size_t bytes = 0;
+    for (size_t i = 0; i < count; i++)
+        bytes += strlen(warning[i]) + 1;
+    return bytes;
+}
+
+static char *copy_warnings(struct glint_import *im, char *at, char **warning, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        im->warning[im->warnings++] = at;
+        at = stpcpy(at, warning[i]) + 1;
+    }
+    return at;
+}
+
+// An import with a copy of the text, of the warnings of the scene before and of the new ones, in
+// one block.
+static struct glint_import *new_import(const struct glint_import *before, const struct told *told)
+{
+    const size_t bytes = told->length + 1 + bytes_of(before->warning, before->warnings) +
+                         bytes_of(told->warning, told->warnings);
     struct glint_import *im = calloc(1, sizeof *im);
     char *block = malloc(bytes);
     if (im)
-        im->warning = calloc(before->warnings + 1, sizeof *im->warning);
+        im->warning = calloc(before->warnings + told->warnings + 1, sizeof *im->warning);
     if (im && im->warning && block)
         im->memory = glint_memory_ref_create(block, bytes, free_block);
     if (!im || !im->memory) {
@@ -90,15 +114,72 @@ static struct glint_import *new_import(const struct glint_import *before, const 
         glint_import_destroy(&im);
         return NULL;
     }
-    im->text = memcpy(block, text, length + 1);
-    im->length = length;
-    char *at = block + length + 1;
-    for (size_t i = 0; i < before->warnings; i++) {
-        im->warning[im->warnings++] = at;
-        at = stpcpy(at, before->warning[i]) + 1;
-    }
+    im->text = memcpy(block, told->text, told->length + 1);
+    im->length = told->length;
+    char *at = copy_warnings(im, block + told->length + 1, before->warning, before->warnings);
+    copy_warnings(im, at, told->warning, told->warnings);
     return im;
 }
+
+// ---- warnings that an edit makes untrue
+
+static bool same_environment(const struct glint_scene *a, const struct glint_scene *b)
+{
+    const struct glint_environment *e = &a->environment, *f = &b->environment;
+    return a->has_environment == b->has_environment && e->image == f->image &&
+           e->rotation == f->rotation && memcmp(e->radiance, f->radiance, sizeof e->radiance) == 0;
+}
+
+static const struct glint_camera *added_camera(const struct glint_scene *s)
+{
+    for (uint32_t i = 0; i < s->cameras; i++)
+        if (!strcmp(s->camera[i].id, "camera"))
+            return &s->camera[i];
+    return NULL;
+}
+
+static bool same_camera(const struct glint_scene *a, const struct glint_scene *b)
+{
+    const struct glint_camera *c = added_camera(a), *d = added_camera(b);
+    return c && d && c->projection == d->projection && c->node == d->node && c->yfov == d->yfov &&
+           c->ymag == d->ymag && c->lens_radius == d->lens_radius &&
+           c->focus_distance == d->focus_distance &&
+           memcmp(c->transform, d->transform, sizeof c->transform) == 0;
+}
+
+static bool said(char **warning, size_t count, const char *text)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!strcmp(warning[i], text))
+            return true;
+    return false;
+}
+
+// Whether a warning of the scene before speaks of what is no more: of what glint_scene_complete added
+// and the edit replaced, or of what every parse warns of, which has said it again where it is so.
+static bool outdated(const struct glint_edit *e, const struct glint_scene *now, const char *warning)
+{
+    if (strstr(warning, "a constant environment of radiance 1 was added"))
+        return !same_environment(e->scene, now);
+    if (strstr(warning, "\"camera\" was added"))
+        return !same_camera(e->scene, now);
+    return said(e->scene->warning, e->scene->warnings, warning);
+}
+
+static void settle_warnings(const struct glint_edit *e, const struct glint_scene *now,
+                            struct glint_import *im)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < im->warnings; i++) {
+        const bool old = i < e->import->warnings;
+        if ((old && outdated(e, now, im->warning[i])) || said(im->warning, kept, im->warning[i]))
+            continue;
+        im->warning[kept++] = im->warning[i];
+    }
+    im->warnings = kept;
+}
+
+// ---- from a text to a scene
 
 // Hands what the writer packed over to the store, which *set then holds as well. Takes the bytes.
 static glint_status keep_packed(const struct glint_edit *e, struct glint_asset *asset, size_t count,
@@ -137,7 +218,8 @@ static glint_status canonical(const struct glint_edit *e, const struct glint_sce
     glint_status st = glint_scene_write(scene, &text, &length, &asset, &count, err);
     if (!st)
         st = keep_packed(e, asset, count, packed, err);
-    if (!st && !(*out = new_import(e->import, text, length)))
+    const struct told told = {text, length, scene->warning, scene->warnings};
+    if (!st && !(*out = new_import(e->import, &told)))
         st = no_memory(err);
     free(text);
     return st;
@@ -192,10 +274,11 @@ static glint_status edit_in_child(const struct glint_edit *e, const char *text,
                                                .assets = e->assets};
     struct glint_import *child = NULL;
     glint_status st = glint_import_run(e->importer, &source, e->limits, &child, err);
-    if (!st && !(*import = new_import(e->import, child->text, child->length)))
-        st = no_memory(err);
-    if (!st)
-        st = settle(e, *import, true, scene, err);
+    if (!st) {
+        const struct told told = {child->text, child->length, child->warning, child->warnings};
+        *import = new_import(e->import, &told);
+        st = *import ? settle(e, *import, true, scene, err) : no_memory(err);
+    }
     glint_import_destroy(&child);
     return st;
 }
@@ -218,6 +301,7 @@ glint_status glint_edit_run(const struct glint_edit *e, const char *patch, size_
         glint_import_destroy(import);
         return st;
     }
+    settle_warnings(e, *scene, *import);
     (*import)->seconds = glint_now() - start;
     return GLINT_OK;
 }

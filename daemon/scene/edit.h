@@ -21,7 +21,8 @@ struct glint_edit {
 };
 
 // The edited scene: *import is what an import of it would give, with the warnings of the scene
-// before; *scene is parsed from it. Both are the caller's, who destroys the scene first. Equal
+// before, but for those about an added camera or environment that is another now, and with those of
+// what the patch brings; *scene is parsed from it. Both are the caller's, who destroys the scene first. Equal
 // texts: nothing has changed.
 //   GLINT_E_SYNTAX, GLINT_E_RANGE  pointers into the edited scene
 glint_status glint_edit_run(const struct glint_edit *edit, const char *patch, size_t length,

@@ -49,6 +49,10 @@ static char base_text[] =
     "\"environment\":{\"radiance\":[1,1,1]}}";
 static char *base_warning[] = {(char *)"KHR_x is not read"};
 
+#define CAMERA_ADDED "the scene has no camera: \"camera\" was added, it frames what is visible"
+#define EMPTY "the scene is empty: it has no instances"
+#define SKY_ADDED "nothing in the scene emits: a constant environment of radiance 1 was added"
+
 struct fixture {
     glint_assets *assets;
     struct glint_import base;
@@ -110,11 +114,51 @@ static void the_warnings_of_the_import_stay(void **state)
     struct glint_scene *scene;
     start(&f);
     assert_int_equal(run(&f, "{}", &import, &scene, NULL), GLINT_OK);
-    assert_int_equal(import->warnings, 1);
+    assert_int_equal(import->warnings, 2);
     assert_string_equal(import->warning[0], base_warning[0]);
+    assert_string_equal(import->warning[1], EMPTY); // what the parse says
     glint_scene_destroy(&scene);
     glint_import_destroy(&import);
     finish(&f);
+}
+
+// What is left after the patch of the warnings of a scene whose camera and environment were added.
+static void assert_warnings(const char *patch, size_t count, const char *const *warning)
+{
+    static char text[] =
+        "{\"cameras\":{\"camera\":{\"yfov\":0.5}},\"materials\":{\"m\":{\"roughness\":0.5}},"
+        "\"environment\":{\"radiance\":[1,1,1]}}";
+    static char *given[] = {(char *)"KHR_x is not read", (char *)CAMERA_ADDED, (char *)SKY_ADDED};
+    struct fixture f;
+    struct glint_import *import;
+    struct glint_scene *scene;
+    start(&f);
+    f.base = (struct glint_import){
+        .text = text, .length = strlen(text), .warning = given, .warnings = 3};
+    glint_scene_destroy(&f.before);
+    assert_int_equal(glint_scene_parse(&f.before, text, strlen(text), NULL, 0, NULL), GLINT_OK);
+    f.edit.scene = f.before;
+    assert_int_equal(run(&f, patch, &import, &scene, NULL), GLINT_OK);
+    assert_int_equal(import->warnings, count + 1);
+    assert_string_equal(import->warning[count], EMPTY);
+    for (size_t i = 0; i < count; i++)
+        assert_string_equal(import->warning[i], warning[i]);
+    glint_scene_destroy(&scene);
+    glint_import_destroy(&import);
+    finish(&f);
+}
+
+static void warnings_of_what_was_added_go_with_it(void **state)
+{
+    (void)state;
+    static const char *const all[] = {"KHR_x is not read", CAMERA_ADDED, SKY_ADDED};
+    static const char *const sky[] = {"KHR_x is not read", SKY_ADDED};
+    assert_warnings("{\"materials\":{\"m\":{\"roughness\":1}}}", 3, all);
+    assert_warnings("{\"environment\":null}", 3, all); // it is added again
+    assert_warnings("{\"environment\":{\"rotation\":1}}", 2, all);
+    assert_warnings("{\"environment\":{\"radiance\":[2,1,1]}}", 2, all);
+    assert_warnings("{\"cameras\":{\"camera\":{\"yfov\":1}}}", 2, sky);
+    assert_warnings("{\"cameras\":{\"camera\":null,\"eye\":{\"yfov\":1}}}", 2, sky);
 }
 
 static void a_mesh_that_an_edit_brings_becomes_an_asset_of_the_store(void **state)
@@ -174,6 +218,7 @@ int main(void)
         cmocka_unit_test(patches_merge_as_the_rfc_shows),
         cmocka_unit_test(an_edit_gives_a_scene_and_its_canonical_text),
         cmocka_unit_test(the_warnings_of_the_import_stay),
+        cmocka_unit_test(warnings_of_what_was_added_go_with_it),
         cmocka_unit_test(a_mesh_that_an_edit_brings_becomes_an_asset_of_the_store),
         cmocka_unit_test(faults_point_into_the_edited_scene_and_leave_nothing),
     };
