@@ -103,7 +103,7 @@ static void print_update(const cJSON *scene)
     putchar('\n');
     print_parts(changes, "rebuilt", true);
     print_parts(changes, "uploaded", true);
-    print_parts(changes, "refitted", true);
+    print_parts(changes, "later", false);
     print_parts(changes, "kept", false);
     if (cJSON_IsNumber(total))
         printf("total: %.1f ms\n", total->valuedouble);
@@ -141,7 +141,8 @@ const struct glint_command glint_command_update = {
     .operands = "SCENE PATCH",
     .summary = "Edit a scene that the daemon has",
     .detail = "PATCH is a file with a JSON merge patch of the scene's native form, or - for\n"
-              "standard input. What was built anew for it is printed, and what was kept.",
+              "standard input. What was built anew for it is printed, what will be\n"
+              "when a job asks for it, and what was kept.",
     .options = options,
     .least = 2,
     .most = 2,

@@ -124,6 +124,8 @@ bool glint_share_equal_table(struct glint_resident *r, enum glint_table table);
 bool glint_share_textures(struct glint_resident *r);
 bool glint_share_lights(struct glint_resident *r);
 bool glint_share_environment(struct glint_resident *r);
+// Whether the poses of every moment that may differ from rest come of the same nodes and animations.
+bool glint_share_motion(const struct glint_resident *r);
 // Views of the structures of r->from where every row is in its place; else a placed one anew, where
 // r->from has one.
 glint_status glint_share_geometry(struct glint_resident *r, struct glint_error *err);

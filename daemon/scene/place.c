@@ -255,6 +255,15 @@ static bool same_places(const struct glint_resident *r)
     return same;
 }
 
+// Structures of other things that nobody has asked for yet.
+static void defer(struct glint_resident_change *c)
+{
+    static const enum glint_part part[] = {GLINT_PART_BVH, GLINT_PART_PLACEMENT};
+    for (size_t i = 0; i < sizeof part / sizeof *part; i++)
+        if (c->fate[part[i]] == GLINT_KEPT)
+            c->fate[part[i]] = GLINT_LATER;
+}
+
 glint_status glint_share_geometry(struct glint_resident *r, struct glint_error *err)
 {
     glint_geometry *known[2][2];
@@ -272,5 +281,7 @@ glint_status glint_share_geometry(struct glint_resident *r, struct glint_error *
                           err);
             else if (known[kind][robust] && kind == GLINT_GEOMETRY_PLACED)
                 st = glint_resident_build_geometry(r, kind, robust, err);
+    if (!same || !glint_share_motion(r))
+        defer(&r->change);
     return st;
 }

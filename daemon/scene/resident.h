@@ -26,7 +26,12 @@ enum glint_part {
 };
 extern const char *const glint_part_name[GLINT_PARTS];
 
-enum glint_part_fate { GLINT_KEPT, GLINT_REFITTED, GLINT_UPLOADED, GLINT_REBUILT };
+enum glint_part_fate {
+    GLINT_KEPT,     // made of the same
+    GLINT_LATER,    // made of other things, when a job asks for it
+    GLINT_UPLOADED, // written again
+    GLINT_REBUILT
+};
 
 struct glint_resident_change {
     enum glint_part_fate fate[GLINT_PARTS];
@@ -52,7 +57,8 @@ glint_status glint_resident_create(glint_resident **out, glint_devices *devices,
                                    const struct glint_resident_order *order,
                                    struct glint_error *err);
 // What was made anew and what was shared. Structures that `from` has for live jobs are made at once,
-// those of batch jobs when one asks for them: then they are no part of this.
+// those of batch jobs and of moments of an animation when one asks for them: GLINT_LATER where these
+// will differ.
 const struct glint_resident_change *glint_resident_change(const glint_resident *resident);
 glint_resident *glint_resident_retain(glint_resident *resident);
 void glint_resident_release(glint_resident **resident);

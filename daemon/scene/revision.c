@@ -401,7 +401,7 @@ cJSON *glint_patch_describe(const struct glint_patch_report *report)
     cJSON *object = cJSON_CreateObject();
     add_parts(object, c, GLINT_REBUILT, "rebuilt");
     add_parts(object, c, GLINT_UPLOADED, "uploaded");
-    add_parts(object, c, GLINT_REFITTED, "refitted");
+    add_parts(object, c, GLINT_LATER, "later");
     add_parts(object, c, GLINT_KEPT, "kept");
     cJSON *items = cJSON_AddObjectToObject(object, "items");
     cJSON *milliseconds = cJSON_AddObjectToObject(object, "milliseconds");

@@ -107,7 +107,98 @@ bool glint_share_environment(struct glint_resident *r)
     return true;
 }
 
+// ---- what moves
+
+static bool same_nodes(const struct glint_scene *a, const struct glint_scene *b)
+{
+    bool same = a->nodes == b->nodes;
+    for (uint32_t i = 0; same && i < a->nodes; i++) {
+        const struct glint_node *m = &a->node[i], *n = &b->node[i];
+        same = m->parent == n->parent && m->matrix == n->matrix &&
+               memcmp(m->transform, n->transform, sizeof m->transform) == 0;
+    }
+    return same;
+}
+
+static bool same_skins(const struct glint_scene *a, const struct glint_scene *b)
+{
+    bool same = a->skins == b->skins;
+    for (uint32_t i = 0; same && i < a->skins; i++) {
+        const struct glint_skin *m = &a->skin[i], *n = &b->skin[i];
+        same = m->joints == n->joints &&
+               memcmp(m->joint, n->joint, m->joints * sizeof *m->joint) == 0 &&
+               memcmp(m->inverse_bind, n->inverse_bind, m->joints * 16 * sizeof(float)) == 0;
+    }
+    return same;
+}
+
+static bool same_channel(const struct glint_animation_channel *a,
+                         const struct glint_animation_channel *b)
+{
+    const size_t values =
+        (size_t)a->keys * a->width * (a->interpolation == GLINT_INTERPOLATION_CUBICSPLINE ? 3 : 1);
+    return a->node == b->node && a->path == b->path && a->interpolation == b->interpolation &&
+           a->keys == b->keys && a->width == b->width &&
+           memcmp(a->time, b->time, a->keys * sizeof *a->time) == 0 &&
+           memcmp(a->value, b->value, values * sizeof *a->value) == 0;
+}
+
+static bool same_animations(const struct glint_scene *a, const struct glint_scene *b)
+{
+    bool same = a->animations == b->animations && (!a->animations || a->fps == b->fps);
+    for (uint32_t i = 0; same && i < a->animations; i++) {
+        const struct glint_animation *m = &a->animation[i], *n = &b->animation[i];
+        same = m->channels == n->channels;
+        for (uint32_t k = 0; same && k < m->channels; k++)
+            same = same_channel(&m->channel[k], &n->channel[k]);
+    }
+    return same;
+}
+
+bool glint_share_motion(const struct glint_resident *r)
+{
+    const struct glint_scene *a = r->scene, *b = r->from->scene;
+    return a == b || (same_nodes(a, b) && same_skins(a, b) && same_animations(a, b));
+}
+
 // ---- tables that are made anew and turn out the same
+
+static void upload(struct glint_resident *r, enum glint_part part, uint32_t items)
+{
+    r->change.fate[part] = GLINT_UPLOADED;
+    r->change.items[part] = items;
+}
+
+static bool same_row(const struct glint_row *a, const struct glint_row *b)
+{
+    return a->material == b->material && !a->motion && !b->motion &&
+           memcmp(a->transform, b->transform, sizeof a->transform) == 0;
+}
+
+static bool same_rows(const struct glint_resident *r)
+{
+    bool same = r->rows == r->from->rows;
+    for (uint32_t i = 0; same && i < r->rows; i++)
+        same = same_row(&r->row[i], &r->from->row[i]);
+    return same;
+}
+
+static bool same_sky(const struct glint_resident *r)
+{
+    const struct glint_scene_lighting *a = &r->lighting, *b = &r->from->lighting;
+    return memcmp(a->environment, b->environment, sizeof a->environment) == 0 &&
+           a->env_rotation == b->env_rotation;
+}
+
+// What a table does not hold, or not of every change: it reaches jobs in frame constants or in the
+// traversal structure.
+static void settle_numbers(struct glint_resident *r)
+{
+    if (r->from && !same_rows(r))
+        upload(r, GLINT_PART_INSTANCES, r->rows);
+    if (r->from && !same_sky(r))
+        upload(r, GLINT_PART_ENVIRONMENT, 1);
+}
 
 static void settle(struct glint_resident *r, enum glint_part part, const enum glint_table *tables,
                    size_t count, uint32_t items)
@@ -115,8 +206,10 @@ static void settle(struct glint_resident *r, enum glint_part part, const enum gl
     bool same = r->from != NULL;
     for (size_t t = 0; r->from && t < count; t++)
         same &= glint_share_equal_table(r, tables[t]);
-    r->change.fate[part] = same ? GLINT_KEPT : GLINT_UPLOADED;
-    r->change.items[part] = same ? 0 : items;
+    r->change.fate[part] = GLINT_KEPT;
+    r->change.items[part] = 0;
+    if (!same)
+        upload(r, part, items);
 }
 
 #define SETTLE(part, items, ...)                             \
@@ -128,10 +221,8 @@ void glint_share_settle(struct glint_resident *r)
     const uint32_t meshes = r->change.items[GLINT_PART_MESHES];
     SETTLE(GLINT_PART_MESHES, meshes, GLINT_TABLE_TRIANGLES, GLINT_TABLE_TANGENTS, GLINT_TABLE_UV1,
            GLINT_TABLE_COLOURS);
-    if (meshes) { // with records that are those of another by chance
-        r->change.fate[GLINT_PART_MESHES] = GLINT_UPLOADED;
-        r->change.items[GLINT_PART_MESHES] = meshes;
-    }
+    if (meshes) // with records that are those of another by chance
+        upload(r, GLINT_PART_MESHES, meshes);
     SETTLE(GLINT_PART_TEXTURES, r->scene->images, GLINT_TABLE_TEXTURES, GLINT_TABLE_DECODE,
            GLINT_TABLE_POOL0, GLINT_TABLE_POOL1, GLINT_TABLE_POOL2, GLINT_TABLE_POOL3);
     SETTLE(GLINT_PART_MATERIALS, r->scene->materials, GLINT_TABLE_MATERIALS, GLINT_TABLE_ENERGY);
@@ -140,4 +231,5 @@ void glint_share_settle(struct glint_resident *r)
     SETTLE(GLINT_PART_LIGHTS, r->lights, GLINT_TABLE_LIGHTS, GLINT_TABLE_ALIAS,
            GLINT_TABLE_LIGHT_CELLS);
     SETTLE(GLINT_PART_ENVIRONMENT, 1, GLINT_TABLE_ENV_TEXELS, GLINT_TABLE_ENV_CELLS);
+    settle_numbers(r);
 }

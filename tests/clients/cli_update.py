@@ -11,9 +11,9 @@ import tap
 from fake_daemon import Answer, FakeDaemon, problem
 
 PATCH = {"materials": {"gold": {"roughness": 0.4}}, "lights": {"sun": None}}
-CHANGES = {"rebuilt": ["materials", "lights"], "uploaded": [], "refitted": ["placement"],
+CHANGES = {"rebuilt": ["materials", "lights"], "uploaded": [], "later": ["placement"],
            "kept": ["meshes", "textures"],
-           "milliseconds": {"materials": 0.21, "lights": 1.0, "placement": 0.5, "meshes": 0,
+           "milliseconds": {"materials": 0.21, "lights": 1.0, "placement": 0, "meshes": 0,
                             "textures": 0, "parse": 1.4, "total": 3.14159}}
 SCENE = {"name": "room", "revision": "ab" * 32, "triangles": 12, "changes": CHANGES}
 
@@ -34,7 +34,7 @@ def test_an_update_says_what_was_rebuilt_and_kept():
         assert run.returncode == 0, run.stderr
         assert run.stdout == (f"revision: {'ab' * 32}\n"
                               "rebuilt: materials 0.2 ms, lights 1.0 ms\n"
-                              "refitted: placement 0.5 ms\n"
+                              "later: placement\n"
                               "kept: meshes, textures\n"
                               "total: 3.1 ms\n")
         request = daemon.requests[-1]

@@ -101,21 +101,59 @@ def test_a_patch_that_changes_nothing_keeps_the_revision_and_all_parts():
             answer = patch(daemon, body).json()
             assert answer["revision"] == before, body
             changes = answer["changes"]
-            assert not changes["rebuilt"] + changes["uploaded"] + changes["refitted"], changes
+            assert not changes["rebuilt"] + changes["uploaded"] + changes["later"], changes
             assert changes["kept"]
+
+
+PARTS = {"meshes", "textures", "materials", "instances", "lights", "environment", "bvh",
+         "placement"}
+FLAG = {"meshes": {"flag": {"positions": [0, 0, 0, 0.1, 0, 0, 0, 0.1, 0], "indices": [0, 1, 2]}},
+        "instances": {"wall": {"mesh": "flag"}}}
+MOVE = {"instances": {"wall": {"transform": {"translation": [0, 0.5, 0]}}}}
+# (body, what is written at once, what when a job asks)
+EDITS = [
+    ({"materials": {"red": {"roughness": 0.5}}}, {"materials"}, set()),
+    ({"instances": {"cube": {"transform": {"translation": [0.1, 0.4, 0.1]}}}}, {"instances"},
+     {"bvh", "placement"}),
+    ({"environment": {"radiance": [3, 2, 1]}}, {"environment"}, set()),
+    ({"environment": {"rotation": 1}}, {"environment"}, set()),
+    ({"media": {"fog": {"density": 0.1}}}, set(), set()),
+    ({"cameras": {"other": {"yfov": 0.5}}}, set(), set()),
+]
 
 
 def test_the_answer_says_what_was_made_anew():
     with Daemon() as daemon:
         daemon.put("room", ROOM)
-        for body, anew in (({"materials": {"red": {"roughness": 0.5}}}, {"materials"}),
-                           ({"instances": {"cube": {"transform": {"translation": [1, 1, 1]}}}},
-                            {"instances", "placement"})):
+        for body, anew, later in EDITS:
             changes = patch(daemon, body).json()["changes"]
-            made = set(changes["rebuilt"] + changes["uploaded"] + changes["refitted"])
-            assert made and made <= anew, changes
-            assert not made & set(changes["kept"])
+            assert set(changes["rebuilt"] + changes["uploaded"]) == anew, (body, changes)
+            assert set(changes["later"]) == later, (body, changes)
+            assert set(changes["kept"]) == PARTS - anew - later, (body, changes)
             assert changes["milliseconds"]["total"] >= changes["milliseconds"]["parse"] > 0
+
+
+def test_what_a_live_job_traces_is_made_at_once():
+    with Daemon() as daemon:
+        daemon.put("glow", GLOW)
+        wait_idle(daemon, live(daemon))
+        for body, rebuilt in ((MOVE, {"placement"}), (GREEN, set()), (FLAG, {"bvh", "placement"})):
+            changes = patch(daemon, body, "glow").json()["changes"]
+            assert rebuilt <= set(changes["rebuilt"]), (body, changes)
+            assert "placement" not in changes["later"], (body, changes)
+
+
+def test_edits_of_what_moves_are_for_later():
+    with Daemon() as daemon:
+        daemon.put("rail", MOVING)
+        for body in ({"nodes": {"rail": {"transform": {"translation": [1, 0, 0]}}}}, {"fps": 12}, SLOWER,
+                     {"instances": {"wall": {"transform": {"translation": [0, 1, 0]}}}}):
+            answer = patch(daemon, body, "rail")
+            assert answer.status == 200, answer.body
+            changes = answer.json()["changes"]
+            assert {"bvh", "placement"} <= set(changes["later"]), (body, changes)
+        changes = patch(daemon, GREEN, "rail").json()["changes"]
+        assert {"bvh", "placement"} <= set(changes["kept"]), changes
 
 
 def test_a_scene_that_came_as_glb_is_patched():
@@ -131,6 +169,41 @@ def test_a_scene_that_came_as_glb_is_patched():
         assert scene["materials"][material]["emission"] == [0, 0, 3]
         assert scene["instances"][instance]["visible"] is False
         assert answer.json()["warnings"] == before["warnings"]
+
+
+def test_warnings_of_what_was_added_go_when_it_is_replaced():
+    with Daemon() as daemon:
+        before = daemon.put("sail", triangle_glb()).json()["warnings"]
+        [added] = [w for w in before if "environment" in w]
+        moved = patch(daemon, {"cameras": {"far": {"yfov": 1}}}, "sail").json()["warnings"]
+        assert added in moved
+        after = patch(daemon, {"environment": {"radiance": [2, 2, 2]}}, "sail").json()["warnings"]
+        assert after == [w for w in before if w != added]
+        assert daemon.get("/v1/scenes/sail").json()["warnings"] == after
+
+
+def test_warnings_of_what_a_patch_lacks_stay():
+    bare = {"materials": ROOM["materials"], "meshes": ROOM["meshes"], "cameras": ROOM["cameras"],
+            "instances": {"ball": {"mesh": "sphere", "material": "red"}},
+            "environment": {"radiance": [3, 3, 3]}}
+    uri = "data:image/png;base64," + base64.b64encode(png((255, 0, 0))).decode()
+    for more in ({}, {"images": {"dot": {"data": uri}}},
+                 {"meshes": {"t": {"positions": [0, 0, 0, 1, 0, 0, 0, 1, 0],
+                                   "indices": [0, 1, 2]}}}):
+        with Daemon() as daemon:
+            assert daemon.put("room", bare).json()["warnings"] == []
+            said = patch(daemon, {"environment": None, **more}).json()["warnings"]
+            assert len(said) == 1 and "was added" in said[0], (more, said)
+            assert patch(daemon, {"materials": {"red": {"roughness": 1}}}).json()["warnings"] == said
+
+
+def test_a_warning_goes_when_its_cause_does():
+    with Daemon() as daemon:
+        daemon.put("glow", GLOW)
+        [said] = patch(daemon, {"media": {"fog": {"density": 0.1}}}, "glow").json()["warnings"]
+        assert "fog" in said
+        assert patch(daemon, GREEN, "glow").json()["warnings"] == [said]
+        assert patch(daemon, {"media": {"fog": None}}, "glow").json()["warnings"] == []
 
 
 def png(rgb):
@@ -163,6 +236,12 @@ def test_a_patch_brings_pictures_and_meshes():
             "instances": {"flag": {"mesh": "flag", "material": "red"}}})
         assert answer.status == 200, answer.body
         assert "asset" in native(daemon)["meshes"]["flag"]
+        data = "data:image/png;base64," + base64.b64encode(green).decode()
+        assert patch(daemon, {"images": {"dot": {"data": data}}}).status == 422
+        old = {member: None for member in ("asset", "width", "height", "format")}
+        answer = patch(daemon, {"images": {"dot": {**old, "data": data}}})
+        assert answer.status == 200, answer.body
+        assert native(daemon)["images"]["dot"] == native(daemon)["images"]["leaf"]
         broken = patch(daemon, {"images": {"dot": {"data": uri[:-20]}}})
         assert broken.status == 422 and broken.pointers() == ["/images/dot/data"], broken.body
 
@@ -370,6 +449,11 @@ MOVING = {
 }
 
 
+SLOWER = {"animations": {"slide": {"channels": {"x": {
+    **MOVING["animations"]["slide"]["channels"]["x"], "times": [0, 0.8], "asset": None,
+    "keys": None}}}}}
+
+
 def test_jobs_render_the_pose_of_their_frame_side_by_side():
     with Daemon() as daemon:
         daemon.put("rail", MOVING)
@@ -393,9 +477,7 @@ def test_a_live_job_follows_the_animation_that_is_edited():
         job = live(daemon, "rail", frame=7)
         wait_idle(daemon, job)
         assert colour(daemon.get(f"/v1/jobs/{job}/frame.exr").body) == [2, 2, 2]
-        x = {**MOVING["animations"]["slide"]["channels"]["x"], "times": [0, 0.8], "asset": None,
-             "keys": None}
-        answer = patch(daemon, {"animations": {"slide": {"channels": {"x": x}}}}, "rail")
+        answer = patch(daemon, SLOWER, "rail")
         assert answer.status == 200, answer.body
         revision = answer.json()["revision"]
         wait_idle(daemon, job, revision)

@@ -91,12 +91,12 @@ static struct glint_frame *show(glint_resident *r, bool live)
 
 #define PART(p) (1u << GLINT_PART_##p)
 
-// Bits of the parts that are not kept.
+// Bits of the parts that were made anew.
 static unsigned made(const glint_resident *r)
 {
     unsigned bits = 0;
     for (int p = 0; p < GLINT_PARTS; p++)
-        bits |= glint_resident_change(r)->fate[p] != GLINT_KEPT ? 1u << p : 0;
+        bits |= glint_resident_change(r)->fate[p] > GLINT_LATER ? 1u << p : 0;
     return bits;
 }
 
@@ -115,6 +115,9 @@ static void assert_edit(const struct edit *to, float first_texel, unsigned parts
         print_message("# %-12s %d, %u made, %.2f ms\n", glint_part_name[p], c->fate[p], c->items[p],
                       1e3 * c->seconds[p]);
     assert_int_equal(made(after), parts);
+    // That of batch jobs waits until one asks.
+    assert_int_equal(c->fate[GLINT_PART_BVH] == GLINT_KEPT, !(parts & PART(PLACEMENT)));
+    assert_int_not_equal(c->fate[GLINT_PART_PLACEMENT], GLINT_LATER);
     assert_int_equal(c->items[GLINT_PART_MESHES], new_meshes);
     assert_int_equal(c->items[GLINT_PART_BVH], new_bodies);
     for (int t = 0; t < GLINT_TABLES; t++)
@@ -156,12 +159,12 @@ static void a_lamp_makes_the_light_table_only(void **state)
     assert_edit(&e, 0.5f, PART(LIGHTS), 0, 0);
 }
 
-static void a_moved_ball_makes_the_placement_only(void **state)
+static void a_moved_ball_makes_rows_and_the_placement_only(void **state)
 {
     (void)state;
     struct edit e = base;
     e.place = "[1.25,0.5,0.5]";
-    assert_edit(&e, 0.5f, PART(PLACEMENT), 0, 0); // its row says nothing of where it is
+    assert_edit(&e, 0.5f, PART(INSTANCES) | PART(PLACEMENT), 0, 0);
 }
 
 static void a_hidden_cube_makes_rows_and_the_placement_only(void **state)
@@ -194,12 +197,12 @@ static void a_texel_makes_textures_only(void **state)
     assert_edit(&base, 0.75f, PART(TEXTURES), 0, 0);
 }
 
-static void the_sky_is_a_constant_of_frames(void **state)
+static void the_sky_is_numbers_of_frames(void **state)
 {
     (void)state;
     struct edit e = base;
     e.sky = "'radiance':[1,0.3,0.4]";
-    assert_edit(&e, 0.5f, 0, 0, 0);
+    assert_edit(&e, 0.5f, PART(ENVIRONMENT), 0, 0);
 }
 
 // ---- placed and baked
@@ -606,12 +609,12 @@ int main(void)
         cmocka_unit_test(equal_scenes_share_everything),
         cmocka_unit_test(a_colour_makes_material_records_only),
         cmocka_unit_test(a_lamp_makes_the_light_table_only),
-        cmocka_unit_test(a_moved_ball_makes_the_placement_only),
+        cmocka_unit_test(a_moved_ball_makes_rows_and_the_placement_only),
         cmocka_unit_test(a_hidden_cube_makes_rows_and_the_placement_only),
         cmocka_unit_test(an_edited_mesh_makes_its_own_structure_only),
         cmocka_unit_test(a_mesh_that_nothing_draws_makes_nothing),
         cmocka_unit_test(a_texel_makes_textures_only),
-        cmocka_unit_test(the_sky_is_a_constant_of_frames),
+        cmocka_unit_test(the_sky_is_numbers_of_frames),
         cmocka_unit_test(placed_meshes_are_hit_where_baked_ones_are),
         cmocka_unit_test(live_jobs_show_what_batch_jobs_show),
         cmocka_unit_test(what_moves_is_hit_where_it_is_at_the_ray_s_time),
