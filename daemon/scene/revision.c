@@ -401,6 +401,7 @@ cJSON *glint_patch_describe(const struct glint_patch_report *report)
     cJSON *object = cJSON_CreateObject();
     add_parts(object, c, GLINT_REBUILT, "rebuilt");
     add_parts(object, c, GLINT_UPLOADED, "uploaded");
+    cJSON_AddArrayToObject(object, "refitted"); // never: an older revision may be tracing it
     add_parts(object, c, GLINT_LATER, "later");
     add_parts(object, c, GLINT_KEPT, "kept");
     cJSON *items = cJSON_AddObjectToObject(object, "items");
