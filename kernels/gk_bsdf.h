@@ -11,7 +11,7 @@
 //   multiple        GK_MULTISCATTER: what met several facets of the reflection, of metal and of
 //                   opaque dielectric; drawn with the diffuse lobe. The diffuse lobe then lies below
 //                   a rough interface: the albedo of its reflection takes the place of R. What a
-//                   rough refraction loses stays lost
+//                   transmitting surface loses is made up for by gk_pair.h
 //   coat            GK_CLEARCOAT: gk_coat.h, over all of these
 // Below GK_ALPHA_DELTA reflection and refraction are delta lobes: never a value of f, only a
 // weight of a sample.

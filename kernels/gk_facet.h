@@ -26,13 +26,11 @@ GK_INLINE struct gk_facet gk_facet_make(const struct gk_surface *s, gk_f32 cos_m
 #ifdef GK_COLLIMATION
     m.p_reflect = s->scatters ? s->p_reflect : m.p_reflect;
 #endif
+#ifdef GK_PAIR
+    m.reflect = gk_along(gk_scale(fm, s->metallic), gk_mul(fd, s->raise), 1.0f - s->metallic);
+    m.refract = gk_mul(m.refract, s->gain);
+#endif
     return m;
-}
-
-// An interface between equal indices passes everything straight on, however rough: a delta lobe.
-GK_INLINE gk_i32 gk_surface_matched(const struct gk_surface *s)
-{
-    return !s->thin && gk_abs(s->eta - 1.0f) < 1e-4f;
 }
 
 GK_INLINE void gk_facet_eval(const struct gk_surface *s, struct gk_vec wo, struct gk_vec wi,

@@ -32,6 +32,8 @@ struct gk_surface {
     struct gk_vec again;       // multiple scattering over (1-E(i)) cos/pi
     struct gk_vec again_below; // of the dielectric, the share of 1-E that it returns
     struct gk_vec below_o;     // (1-A(o)) / (1-Amean) of a rough interface, A its albedo
+    struct gk_vec gain;        // of the pair of a transmitting surface, gk_pair.h
+    struct gk_vec raise;       // of the dielectric's reflection: as far as the surface transmits
     gk_i32 rough;              // the diffuse lobe is below a rough interface
     gk_i32 delta;              // reflection and refraction are delta lobes
     gk_i32 scatters;           // what passes is left to gk_scatter.h
@@ -196,19 +198,5 @@ GK_INLINE void gk_lobes_prepare(struct gk_surface *s, struct gk_vec wo)
 }
 
 #endif
-
-// Completes a surface for the direction wo.
-GK_INLINE void gk_surface_prepare(struct gk_surface *s, struct gk_vec wo)
-{
-#ifdef GK_MICROFACET
-    gk_lobes_prepare(s, wo);
-#else
-    (void)wo;
-    s->fresnel_o = 0.0f;
-    s->p_diffuse = 1.0f;
-    s->p_facet = 0.0f;
-    s->delta = 0;
-#endif
-}
 
 #endif

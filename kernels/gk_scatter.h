@@ -8,7 +8,7 @@
 #ifndef GK_SCATTER_H
 #define GK_SCATTER_H
 
-#include "kernels/gk_lobes.h"
+#include "kernels/gk_pair.h"
 
 #if defined(GK_COLLIMATION) && defined(GK_MICROFACET)
 
@@ -41,8 +41,13 @@ GK_INLINE struct gk_vec gk_scatter_tint(const struct gk_surface *s, gk_f32 cos_m
     const gk_f32 fi = gk_fresnel_dielectric(cos_i, eta);
     const struct gk_vec r = gk_dielectric(s, gk_max(fm, gk_max(fo, fi)));
     const gk_f32 share = (1.0f - s->metallic) * s->transmission;
-    return gk_mul(s->base,
-                  gk_vec(share * (1.0f - r.x), share * (1.0f - r.y), share * (1.0f - r.z)));
+    const struct gk_vec tint =
+        gk_mul(s->base, gk_vec(share * (1.0f - r.x), share * (1.0f - r.y), share * (1.0f - r.z)));
+#ifdef GK_PAIR
+    return gk_mul(tint, s->gain);
+#else
+    return tint;
+#endif
 }
 
 // Adds to *value; nothing where wi is on the side of wo.

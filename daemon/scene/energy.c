@@ -6,6 +6,7 @@
 
 #include <pthread.h>
 #include <stdbool.h>
+#include <string.h>
 
 #define SIDE GK_ENERGY_SIDE
 #define STEPS 640 // 1.5 is step 128
@@ -14,10 +15,14 @@
 // leaves below the horizon cuts a grid along its lines. 5e-4 of the albedo.
 #define POINTS 1597u
 #define STEP 987u
+#define FEWER_POINTS 610u // 1e-3, for what a transmitting interface has besides
+#define FEWER_STEP 377u
 
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER; // guards what is below
 static bool made[STEPS + 1];                              // the last is white
 static float table[STEPS + 1][GK_ENERGY_PART];
+static bool made_glass[STEPS];
+static float glass[STEPS][GK_ENERGY_PARTS * GK_ENERGY_PART];
 
 // What the visible normal of the numbers (u, v) reflects: G2/G1, times F. ior 0: F is 1.
 static double reflected(struct gk_vec wo, float alpha, float ior, float u, float v)
@@ -73,6 +78,81 @@ static void fill_part(float *part, float ior)
     }
 }
 
+// G2/G1 of GGX for light that leaves under zi, 0 at and below the horizon.
+static double passed_on(double zo, double zi, float alpha)
+{
+    if (zi <= 0.0)
+        return 0.0;
+    const float a2 = alpha * alpha;
+    const double so = gk_ggx_s((float)zo, a2), si = gk_ggx_s((float)zi, a2);
+    return zi * (zo + so) / (so * zi + si * zo);
+}
+
+struct pair {
+    double reflect, other;
+};
+
+// Of one visible normal: what is reflected and what is refracted.
+static struct pair refracted(struct gk_vec wo, struct gk_vec h, float alpha, float eta)
+{
+    const float cos_m = gk_saturate(gk_dot(wo, h)), f = gk_fresnel_dielectric(cos_m, eta);
+    const double up = 2.0 * (double)cos_m * (double)h.z - (double)wo.z;
+    const double down = -(double)gk_refract(wo, h, cos_m, eta).z;
+    const double reflect = (double)f * passed_on((double)wo.z, up, alpha);
+    const double refract = (double)(1.0f - f) * passed_on((double)wo.z, down, alpha);
+    return (struct pair){reflect, reflect + refract};
+}
+
+// Of one visible normal: what gk_scatter.h lets through.
+static struct pair scattered(struct gk_vec wo, struct gk_vec h, float alpha, float eta)
+{
+    const float cos_m = gk_saturate(gk_dot(wo, h));
+    const double zi = 2.0 * (double)cos_m * (double)h.z - (double)wo.z;
+    const float least = fminf(cos_m, fminf(wo.z, gk_saturate((float)zi)));
+    const double share = 1.0 - (double)gk_fresnel_dielectric(least, eta);
+    return (struct pair){0.0, share * passed_on((double)wo.z, zi, alpha)};
+}
+
+typedef struct pair facet_fn(struct gk_vec wo, struct gk_vec h, float alpha, float eta);
+
+static struct pair mean_pair(facet_fn *facet, float cosine, float alpha, float eta)
+{
+    const struct gk_vec wo = gk_vec(sqrtf(fmaxf(1.0f - cosine * cosine, 0.0f)), 0.0f, cosine);
+    struct pair sum = {0.0, 0.0};
+    for (uint32_t i = 0; i < FEWER_POINTS; i++) {
+        const float u = 0.5f * ((float)i + 0.5f) / (float)FEWER_POINTS;
+        const float v = ((float)(i * FEWER_STEP % FEWER_POINTS) + 0.5f) / (float)FEWER_POINTS;
+        const struct pair one = facet(wo, gk_ggx_sample(wo, alpha, u, v), alpha, eta);
+        sum.reflect += one.reflect;
+        sum.other += one.other;
+    }
+    return (struct pair){sum.reflect / FEWER_POINTS, sum.other / FEWER_POINTS};
+}
+
+// Nothing asks for the mean albedos of these parts.
+static void fill_pair(facet_fn *facet, float eta, float *reflect, float *other)
+{
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const float x = (float)(i % SIDE) / (SIDE - 1), y = (float)(i / SIDE) / (SIDE - 1);
+        const float cosine = fmaxf(x * x, 1e-6f), f = gk_fresnel_dielectric(cosine, eta);
+        struct pair p = {(double)f, facet == scattered ? (double)(1.0f - f) : 1.0};
+        if (y > 0.0f)
+            p = mean_pair(facet, cosine, y * y, eta);
+        if (reflect)
+            reflect[i] = (float)p.reflect;
+        other[i] = (float)p.other;
+    }
+}
+
+static void fill_glass(float *parts, const float *outside, float ior)
+{
+    memcpy(parts, outside, GK_ENERGY_PART * sizeof *parts);
+    fill_pair(refracted, ior, NULL, parts + GK_ENERGY_BOTH);
+    float *inside = parts + GK_ENERGY_INSIDE;
+    fill_pair(refracted, 1.0f / ior, inside, inside + GK_ENERGY_BOTH);
+    fill_pair(scattered, ior, NULL, parts + GK_ENERGY_SCATTER);
+}
+
 static const float *part_of(int step, float ior)
 {
     pthread_mutex_lock(&mutex);
@@ -88,10 +168,31 @@ const float *glint_energy_white(void)
     return part_of(STEPS, 0.0f);
 }
 
-const float *glint_energy_interface(float ior)
+static int step_of(float ior, float *taken)
 {
     const float root = (ior - 1.0f) / (ior + 1.0f);
     const int step = (int)gk_clamp(rintf(root * STEPS), 0.0f, STEPS - 1);
     const float nearest = (float)step / STEPS;
-    return part_of(step, (1.0f + nearest) / (1.0f - nearest));
+    *taken = (1.0f + nearest) / (1.0f - nearest);
+    return step;
+}
+
+const float *glint_energy_interface(float ior)
+{
+    float taken;
+    const int step = step_of(ior, &taken);
+    return part_of(step, taken);
+}
+
+const float *glint_energy_glass(float ior)
+{
+    float taken;
+    const int step = step_of(ior, &taken);
+    const float *outside = part_of(step, taken);
+    pthread_mutex_lock(&mutex);
+    if (!made_glass[step])
+        fill_glass(glass[step], outside, taken);
+    made_glass[step] = true;
+    pthread_mutex_unlock(&mutex);
+    return glass[step];
 }

@@ -8,4 +8,7 @@
 const float *glint_energy_white(void);
 const float *glint_energy_interface(float ior);
 
+// The GK_ENERGY_PARTS parts of a transmitting interface, the first of which is the above's.
+const float *glint_energy_glass(float ior);
+
 #endif

@@ -40,7 +40,7 @@ struct glint_scene_facts {
     bool uv1, texture_transforms, nearest_texels, vertex_colours;
     bool layer_textures; // of transmission, specular or coat
     bool specular, clearcoat, collimation;
-    bool rough; // a reflection that is no mirror's
+    bool rough; // light can meet several facets
     bool solids, nested, medium, culling, blend, motion;
     bool emission, light_table, light_grid, environment_constant, environment_image;
     uint32_t texture_pools;

@@ -156,12 +156,13 @@ static void note_textures(struct glint_scene_facts *f, const struct glint_reside
     f->normal_maps |= m->normal_texture != GK_NONE || m->coat_normal_texture != GK_NONE;
 }
 
-// Whether it has a reflection that is no mirror's, so that light can meet several facets.
+// Whether light that is reflected or passes can meet several facets.
 static bool is_rough(const struct gk_material *m)
 {
-    const bool opaque = m->transmission < 1.0f || m->transmission_texture != GK_NONE;
-    return m->roughness * m->roughness >= GK_ALPHA_DELTA &&
-           (m->metallic > 0.0f || (m->ior != 1.0f && opaque));
+    const bool passes = m->transmission > 0.0f, thin = (m->flags & GK_MATERIAL_THIN) != 0;
+    const bool facets = m->metallic > 0.0f || m->ior != 1.0f || (passes && thin);
+    return (m->roughness * m->roughness >= GK_ALPHA_DELTA && facets) ||
+           (passes && 1.0f - m->collimation >= GK_ALPHA_DELTA);
 }
 
 static void note_facts(struct glint_scene_facts *f, const struct gk_material *m)
@@ -190,42 +191,56 @@ static uint32_t area_lights(const struct glint_scene *s)
     return n;
 }
 
-// Numbers the parts of the energy table: materials with one interface share one. The first part
-// is white, the second a coat's. Returns how many there are.
-static uint32_t number_parts(const struct glint_scene *s, struct gk_material *m, const float **part)
+struct parts {
+    uint32_t count;
+    const float **part;
+};
+
+// Place of `count` parts from `first` on, which it adds where they are not there.
+static uint32_t place_parts(struct parts *p, const float *first, uint32_t count)
 {
-    uint32_t parts = 2;
-    part[0] = glint_energy_white();
-    part[1] = glint_energy_interface(1.5f);
-    for (uint32_t i = 0; i < s->materials; i++) {
-        const float *wanted = glint_energy_interface(m[i].ior);
-        uint32_t k = 1;
-        while (k < parts && part[k] != wanted)
-            k++;
-        if (k == parts)
-            part[parts++] = wanted;
-        m[i].energy = k * GK_ENERGY_PART;
-    }
-    return parts;
+    uint32_t k = 1;
+    while (k < p->count && p->part[k] != first)
+        k++;
+    const uint32_t added = k == p->count ? count : 0;
+    for (uint32_t i = 0; i < added; i++)
+        p->part[p->count++] = first + (size_t)i * GK_ENERGY_PART;
+    return k * GK_ENERGY_PART;
+}
+
+// Numbers the parts of the energy table: materials with one interface share one. The first part
+// is white, the second a coat's. A smooth interface that transmits asks for none.
+static void number_parts(const struct glint_scene *s, struct gk_material *m, struct parts *p)
+{
+    p->count = 2;
+    p->part[0] = glint_energy_white();
+    p->part[1] = glint_energy_interface(1.5f);
+    for (uint32_t i = 0; i < s->materials; i++)
+        if (m[i].transmission <= 0.0f)
+            m[i].energy = place_parts(p, glint_energy_interface(m[i].ior), 1);
+        else if (is_rough(&m[i]))
+            m[i].energy = place_parts(p, glint_energy_glass(m[i].ior), GK_ENERGY_PARTS);
 }
 
 // Forced effects read it too: where no reflection is rough, it is there, of zeros.
 static glint_status build_energy(struct glint_resident *r, struct glint_error *err)
 {
     const bool needed = r->facts.rough || r->facts.clearcoat;
-    const float **part = calloc((size_t)r->scene->materials + 2, sizeof *part);
-    if (!part)
+    const size_t most = (size_t)r->scene->materials * GK_ENERGY_PARTS + 2;
+    struct parts p = {.count = 2, .part = calloc(most, sizeof *p.part)};
+    if (!p.part)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u interfaces",
                           r->scene->materials);
     struct gk_material *m = glint_table_host(r, GLINT_TABLE_MATERIALS);
-    const uint32_t parts = needed ? number_parts(r->scene, m, part) : 2;
+    if (needed)
+        number_parts(r->scene, m, &p);
     const size_t bytes = GK_ENERGY_PART * sizeof(float);
     const glint_status st =
-        glint_buffer_create(&r->table[GLINT_TABLE_ENERGY], r->devices, parts * bytes, err);
-    for (uint32_t k = 0; !st && needed && k < parts; k++)
+        glint_buffer_create(&r->table[GLINT_TABLE_ENERGY], r->devices, p.count * bytes, err);
+    for (uint32_t k = 0; !st && needed && k < p.count; k++)
         memcpy((float *)glint_table_host(r, GLINT_TABLE_ENERGY) + (size_t)k * GK_ENERGY_PART,
-               part[k], bytes);
-    free(part);
+               p.part[k], bytes);
+    free(p.part);
     return st;
 }
 

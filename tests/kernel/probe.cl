@@ -115,7 +115,7 @@ GK_INLINE void probe_layers(gk_u32 i, struct gk_surface *s)
         gk_normalise(gk_vec(probe_uniform(i, 25) - 0.5f, probe_uniform(i, 26) - 0.5f, 1.0f)));
 }
 
-// energy: two parts of gk_energy.h.
+// energy: the white part of gk_energy.h and those of a transmitting interface.
 GK_INLINE void probe_bsdf(gk_u32 i, GK_GLOBAL gk_u32 *out, const GK_GLOBAL gk_f32 *energy)
 {
     struct gk_surface s;

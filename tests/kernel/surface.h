@@ -68,13 +68,14 @@ static inline struct gk_vec direction(double cosine, double turn)
                   (float)cosine);
 }
 
-// The white part of the energy table, and behind it that of an interface.
+// The white part of the energy table, and behind it those of a transmitting interface.
 static inline const float *energy_of(float ior)
 {
-    static float table[3 * GK_ENERGY_PART];
+    static float table[(2 + GK_ENERGY_PARTS) * GK_ENERGY_PART];
     memcpy(table, glint_energy_white(), GK_ENERGY_PART * sizeof *table);
     memcpy(table + GK_ENERGY_COAT, glint_energy_interface(1.5f), GK_ENERGY_PART * sizeof *table);
-    memcpy(table + 2 * GK_ENERGY_PART, glint_energy_interface(ior), GK_ENERGY_PART * sizeof *table);
+    memcpy(table + 2 * GK_ENERGY_PART, glint_energy_glass(ior),
+           GK_ENERGY_PARTS * GK_ENERGY_PART * sizeof *table);
     return table;
 }
 

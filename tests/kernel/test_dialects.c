@@ -130,9 +130,11 @@ static void scattering_agrees(void **state)
     (void)state;
     const size_t words = (size_t)PROBE_ROWS * PROBE_COLUMNS;
     const size_t part = GK_ENERGY_PART * sizeof(float);
-    glint_buffer *buffer = make_buffer(words * sizeof(gk_u32)), *energy = make_buffer(2 * part);
+    glint_buffer *buffer = make_buffer(words * sizeof(gk_u32)),
+                 *energy = make_buffer((1 + GK_ENERGY_PARTS) * part);
     memcpy(glint_buffer_host(energy), glint_energy_white(), part);
-    memcpy((char *)glint_buffer_host(energy) + part, glint_energy_interface(1.5f), part);
+    memcpy((char *)glint_buffer_host(energy) + part, glint_energy_glass(1.5f),
+           GK_ENERGY_PARTS * part);
     gk_u32 *expected = calloc(words, sizeof *expected);
     assert_non_null(expected);
     const struct glint_arg args[] = {{.buffer = buffer}, {.buffer = energy}};

@@ -78,6 +78,16 @@ static void white_object_vanishes_in_a_white_environment(void **state)
         "\"base_color\":[1,1,1],\"roughness\":1",                              // matt paint
         "\"base_color\":[1,1,1],\"metallic\":1,\"roughness\":0.7",
         "\"base_color\":[1,1,1],\"metallic\":1,\"roughness\":0,\"clearcoat\":1",
+        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0.1",
+        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0.3",
+        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0.5",
+        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":1",
+        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0,\"collimation\":0.9",
+        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0,\"collimation\":0.5",
+        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0,\"collimation\":0",
+        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0.5,\"thin\":true",
+        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":1,\"thin\":true",
+        "\"base_color\":[1,1,1],\"transmission\":1,\"roughness\":0,\"collimation\":0,\"thin\":true",
     };
     for (size_t i = 0; i < sizeof material / sizeof *material; i++) {
         char scene[1024];
