@@ -200,7 +200,7 @@ SCRIPT_TESTS = \
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
 dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/bench/run tests/bench/update_latency tests/bench/vectorised
 dist_check_DATA += tests/clients/cli.py tests/clients/fake_daemon.py tests/http/daemon.py \
-	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/surface.h \
+	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/density.h tests/kernel/surface.h \
 	tests/render/cryptomatte.py tests/render/cryptomatte_node.py \
 	tests/render/peers/balls-white.json tests/render/peers/balls.json \
 	tests/render/peers/compare.py tests/render/peers/cornell.json \
