@@ -26,7 +26,7 @@
 #define GK_PAIR_LOBE 2u // u: which lobe, v: roulette
 #define GK_PAIR_BSDF 3u // direction
 #define GK_PAIR_ALPHA 4u
-#define GK_PAIR_MEDIUM 5u // u: distance, v: reserved
+#define GK_PAIR_MEDIUM 5u       // u: distance, v: reserved
 #define GK_PAIR_LIGHT_MEMBER 6u // which light of its cluster
 #define GK_PAIR_LIGHT_PICK 7u   // u: which of four lights, v: reserved
 

@@ -140,10 +140,8 @@ static glint_status start_lanes(glint_http *h, struct glint_error *err)
         const char *name;
         unsigned threads, capacity;
     } table[] = {
-        {GLINT_LANE_CALL, "http-call", 2, 256},
-        {GLINT_LANE_LOAD, "http-load", 2, 16},
-        {GLINT_LANE_EDIT, "http-edit", 2, 64},
-        {GLINT_LANE_FRAME, "http-frame", 2, 64},
+        {GLINT_LANE_CALL, "http-call", 2, 256},   {GLINT_LANE_LOAD, "http-load", 2, 16},
+        {GLINT_LANE_EDIT, "http-edit", 2, 64},    {GLINT_LANE_FRAME, "http-frame", 2, 64},
         {GLINT_LANE_STREAM, "http-stream", 2, 0}, // every stream has at most one task
     };
     glint_status st = GLINT_OK;

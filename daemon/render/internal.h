@@ -18,9 +18,9 @@
 struct glint_pass_state {
     uint32_t sample, samples, tiles_log2;
     uint32_t blocks_wide, blocks_high, blocks; // of the whole film
-    uint32_t next;                // block not given out yet
-    uint32_t done;                // blocks given back
-    uint32_t *redo;               // [blocks of the finest pass]: returned without being run
+    uint32_t next;                             // block not given out yet
+    uint32_t done;                             // blocks given back
+    uint32_t *redo; // [blocks of the finest pass]: returned without being run
     uint32_t redos;
 };
 
