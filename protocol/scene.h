@@ -298,6 +298,11 @@ void glint_node_init(struct glint_node *node);
 void glint_scene_warn(struct glint_scene *scene, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+// What the warnings of the next two functions say of what was added: an edit that replaces it knows
+// them by that.
+#define GLINT_CAMERA_ADDED "\"camera\" was added"
+#define GLINT_ENVIRONMENT_ADDED "a constant environment of radiance 1 was added"
+
 // Adds the camera and environment that a scene must have, with a warning each.
 glint_status glint_scene_complete(struct glint_scene *scene, struct glint_error *err);
 

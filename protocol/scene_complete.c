@@ -44,7 +44,8 @@ static bool add_camera(struct glint_scene *s)
         return false;
     s->camera = c;
     s->cameras = 1;
-    glint_scene_warn(s, "the scene has no camera: \"camera\" was added, it frames what is visible");
+    glint_scene_warn(s,
+                     "the scene has no camera: " GLINT_CAMERA_ADDED ", it frames what is visible");
     return true;
 }
 
@@ -64,7 +65,7 @@ static void add_environment(struct glint_scene *s, const char *why)
 {
     s->has_environment = true;
     s->environment = (struct glint_environment){{1, 1, 1}, GLINT_NONE, 0};
-    glint_scene_warn(s, "%s: a constant environment of radiance 1 was added", why);
+    glint_scene_warn(s, "%s: " GLINT_ENVIRONMENT_ADDED, why);
 }
 
 static void warn_of_endless_medium(struct glint_scene *s)

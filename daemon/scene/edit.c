@@ -159,9 +159,9 @@ static bool said(char **warning, size_t count, const char *text)
 // and the edit replaced, or of what every parse warns of, which has said it again where it is so.
 static bool outdated(const struct glint_edit *e, const struct glint_scene *now, const char *warning)
 {
-    if (strstr(warning, "a constant environment of radiance 1 was added"))
+    if (strstr(warning, GLINT_ENVIRONMENT_ADDED))
         return !same_environment(e->scene, now);
-    if (strstr(warning, "\"camera\" was added"))
+    if (strstr(warning, GLINT_CAMERA_ADDED))
         return !same_camera(e->scene, now);
     return said(e->scene->warning, e->scene->warnings, warning);
 }
