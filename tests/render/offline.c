@@ -111,6 +111,22 @@ void offline_finish(struct offline *o)
     glint_importer_destroy(&o->importer);
 }
 
+struct offline offline_crew;
+
+int offline_crew_start(void **state)
+{
+    (void)state;
+    offline_start(&offline_crew, 2);
+    return 0;
+}
+
+int offline_crew_finish(void **state)
+{
+    (void)state;
+    offline_finish(&offline_crew);
+    return 0;
+}
+
 // Workers share one lock around the render's bookkeeping, as the scheduler would.
 struct crew {
     glint_render *render;

@@ -15,6 +15,11 @@ struct offline {
 void offline_start(struct offline *o, uint32_t threads);
 void offline_finish(struct offline *o);
 
+// Those of a test program, two workers, as the fixtures of a cmocka group.
+extern struct offline offline_crew;
+int offline_crew_start(void **state);
+int offline_crew_finish(void **state);
+
 // Prints every fault and exits.
 void offline_die(const char *what, const struct glint_error *err);
 

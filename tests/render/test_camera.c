@@ -18,8 +18,6 @@
 #define YFOV 0.6
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 
-static struct offline o;
-
 // A camera that looks along no axis.
 static const double eye[3] = {3.0, -2.0, 5.0};
 static const double turn[4] = {0.1, 0.7, -0.2, 0.67823299831252681}; // unit
@@ -49,8 +47,8 @@ static void seen_at(double x, double y, double z, double world[3])
 
 static struct glint_frame *render_text(const char *scene, const char *job)
 {
-    glint_resident *resident = offline_load_text(&o, scene);
-    struct glint_frame *frame = offline_frame(&o, resident, job, 0);
+    glint_resident *resident = offline_load_text(&offline_crew, scene);
+    struct glint_frame *frame = offline_frame(&offline_crew, resident, job, 0);
     glint_resident_release(&resident);
     return frame;
 }
@@ -294,20 +292,6 @@ static void textures_are_upright_and_not_mirrored(void **state)
     free(image);
 }
 
-static int start(void **state)
-{
-    (void)state;
-    offline_start(&o, 2);
-    return 0;
-}
-
-static int finish(void **state)
-{
-    (void)state;
-    offline_finish(&o);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -317,5 +301,5 @@ int main(void)
         cmocka_unit_test(normals_are_unit_in_the_world_and_face_the_eye),
         cmocka_unit_test(textures_are_upright_and_not_mirrored),
     };
-    return cmocka_run_group_tests(tests, start, finish);
+    return cmocka_run_group_tests(tests, offline_crew_start, offline_crew_finish);
 }

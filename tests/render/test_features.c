@@ -7,14 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static struct offline o;
-
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 #define SIDE 32
 
 static struct glint_frame *render(char *scene)
 {
-    return stable_frame(&o, scene,
+    return stable_frame(&offline_crew, scene,
                         stable_job("'resolution':[32,32],'filter':{'kind':'box','width':1},"
                                    "'max_bounces':1,'stop':{'samples':64}"));
 }
@@ -430,7 +428,7 @@ static glint_resident *four_textures(void)
         "'d':{'mesh':'q','material':'d','transform':{'translation':[0.5,0.5,0]}}},"
         "'cameras':{'eye':{'yfov':0.6,'transform':{'translation':[0,0,3]}}}}",
         uri[0], uri[1], uri[2], uri[3]);
-    glint_resident *scene = offline_load_text(&o, text);
+    glint_resident *scene = offline_load_text(&offline_crew, text);
     for (int p = 0; p < POOLS; p++)
         free(uri[p]);
     free(text);
@@ -462,28 +460,15 @@ static void four_texture_pools_give_the_picture_of_one(void **state)
     static const char job[] = "{\"scene\":\"s\",\"outputs\":[\"beauty\"],\"resolution\":[32,32],"
                               "\"max_bounces\":1,\"stop\":{\"samples\":16}}";
     glint_resident *scene = four_textures();
-    struct glint_frame *one = offline_frame(&o, scene, job, 0);
+    struct glint_frame *one = offline_frame(&offline_crew, scene, job, 0);
     assert_true(stable_most(one, "G") > 0.8 && stable_least(one, "G") < 0.3);
     spread(scene);
-    struct glint_frame *four = offline_frame(&o, scene, job, glint_effect_bit("texture pools"));
+    struct glint_frame *four =
+        offline_frame(&offline_crew, scene, job, glint_effect_bit("texture pools"));
     stable_assert_same(one, four);
     glint_frame_destroy(&one);
     glint_frame_destroy(&four);
     glint_resident_release(&scene);
-}
-
-static int start(void **state)
-{
-    (void)state;
-    offline_start(&o, 2);
-    return 0;
-}
-
-static int finish(void **state)
-{
-    (void)state;
-    offline_finish(&o);
-    return 0;
 }
 
 int main(void)
@@ -497,5 +482,5 @@ int main(void)
         cmocka_unit_test(upper_rows_of_the_sky_are_above),
         cmocka_unit_test(four_texture_pools_give_the_picture_of_one),
     };
-    return cmocka_run_group_tests(tests, start, finish);
+    return cmocka_run_group_tests(tests, offline_crew_start, offline_crew_finish);
 }

@@ -8,8 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static struct offline o;
-
 // ---- scenes that differ in one thing
 
 struct edit {
@@ -67,12 +65,12 @@ static glint_resident *load(char *text, const glint_resident *from)
     glint_resident *r = NULL;
     const struct glint_import_source source = {
         .type = GLINT_SCENE_NATIVE, .bytes = (const uint8_t *)text, .size = strlen(text)};
-    if (glint_import_run(o.importer, &source, NULL, &import, &err) ||
+    if (glint_import_run(offline_crew.importer, &source, NULL, &import, &err) ||
         glint_scene_parse(&scene, import->text, import->length, import->asset, import->assets,
                           &err) ||
         glint_resident_create(
-            &r, o.devices, &(struct glint_resident_order){scene, free_import, import, NULL, from},
-            &err))
+            &r, offline_crew.devices,
+            &(struct glint_resident_order){scene, free_import, import, NULL, from}, &err))
         offline_die(text, &err);
     free(text);
     return r;
@@ -81,7 +79,7 @@ static glint_resident *load(char *text, const glint_resident *from)
 static struct glint_frame *show(glint_resident *r, bool live)
 {
     return stable_frame_of(
-        &o, r,
+        &offline_crew, r,
         stable_text("{'scene':'s','live':%s,'outputs':['beauty','normal','depth','crypto_object'],"
                     "'resolution':[64,48],'max_bounces':3,'stop':{'samples':16}}",
                     live ? "true" : "false"));
@@ -389,7 +387,7 @@ static glint_resident *posed(const struct moves *m, const glint_resident *rest)
     glint_resident *r = NULL;
     struct glint_scene *scene = (struct glint_scene *)glint_resident_scene(rest);
     if (glint_resident_create(
-            &r, o.devices,
+            &r, offline_crew.devices,
             &(struct glint_resident_order){.scene = scene, .pose = &m->pose, .from = rest}, &err))
         offline_die("pose", &err);
     return r;
@@ -581,26 +579,12 @@ static void placed_balls_far_from_their_own_origin_are_dark_inside(void **state)
                     "'cameras':{'eye':{'yfov':2,'transform':{'translation':[1e5,-1e5,1e5]}}}}"),
         NULL);
     struct glint_frame *f = stable_frame_of(
-        &o, r,
+        &offline_crew, r,
         stable_text("{'scene':'s','live':true,'outputs':['beauty'],'resolution':[96,96],"
                     "'max_bounces':1,'accuracy':{'traversal':'robust'},'stop':{'samples':64}}"));
     assert_float_equal(stable_mean(f, "G").mean, 0.0, 0.0);
     glint_frame_destroy(&f);
     glint_resident_release(&r);
-}
-
-static int start(void **state)
-{
-    (void)state;
-    offline_start(&o, 2);
-    return 0;
-}
-
-static int finish(void **state)
-{
-    (void)state;
-    offline_finish(&o);
-    return 0;
 }
 
 int main(void)
@@ -622,5 +606,5 @@ int main(void)
         cmocka_unit_test(transforms_do_what_transformed_meshes_do),
         cmocka_unit_test(placed_balls_far_from_their_own_origin_are_dark_inside),
     };
-    return cmocka_run_group_tests(tests, start, finish);
+    return cmocka_run_group_tests(tests, offline_crew_start, offline_crew_finish);
 }

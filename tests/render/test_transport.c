@@ -12,12 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static struct offline o;
-
 static struct glint_frame *render_text(const char *scene, const char *job)
 {
-    glint_resident *resident = offline_load_text(&o, scene);
-    struct glint_frame *frame = offline_frame(&o, resident, job, 0);
+    glint_resident *resident = offline_load_text(&offline_crew, scene);
+    struct glint_frame *frame = offline_frame(&offline_crew, resident, job, 0);
     glint_resident_release(&resident);
     return frame;
 }
@@ -342,20 +340,6 @@ static void own_error_estimate_is_the_true_error(void **state)
     glint_frame_destroy(&reference);
 }
 
-static int start(void **state)
-{
-    (void)state;
-    offline_start(&o, 2);
-    return 0;
-}
-
-static int finish(void **state)
-{
-    (void)state;
-    offline_finish(&o);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -370,5 +354,5 @@ int main(void)
         cmocka_unit_test(dials_agree_in_the_mean),
         cmocka_unit_test(own_error_estimate_is_the_true_error),
     };
-    return cmocka_run_group_tests(tests, start, finish);
+    return cmocka_run_group_tests(tests, offline_crew_start, offline_crew_finish);
 }

@@ -5,15 +5,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-static struct offline o;
-
 // ---- closed and degenerate
 
 // Random rays inside a ball of many triangles under a strong sky: 4 million from the camera.
 static double light_in_closed_ball(const char *traversal)
 {
     struct glint_frame *f = stable_frame(
-        &o,
+        &offline_crew,
         stable_text("{'environment':{'radiance':[1e6,1e6,1e6]},'materials':{'m':{'ior':1}},"
                     "'meshes':{'s':{'primitive':'sphere','segments':256}},"
                     "'instances':{'s':{'mesh':'s','material':'m'}},"
@@ -51,15 +49,15 @@ static void degenerate_triangles_are_dropped_counted_and_unseen(void **state)
     // A point, two equal corners, three on a line, and 1:2e7; then 1:1e6, which is a surface.
     char *text = wall_with(",0,0,0,0,0,0,0,0,0, 0,0,0.5,1,0,0.5,1,0,0.5, -1,-1,0.5,0,0,0.5,1,1,0.5,"
                            "-0.5,0,0,0.5,0,0,0,5e-8,0, -0.5,0,-0.5,0.5,0,-0.5,0,1e-6,-0.5");
-    glint_resident *scene = offline_load_text(&o, text);
+    glint_resident *scene = offline_load_text(&offline_crew, text);
     struct glint_resident_stats stats;
     glint_resident_stats(scene, &stats);
     assert_int_equal(stats.dropped, 4);
     assert_int_equal(stats.triangles, 3);
     const char *const job = "'resolution':[40,40],'stop':{'samples':8}";
-    struct glint_frame *with = stable_frame_of(&o, scene, stable_job(job));
-    struct glint_frame *without =
-        stable_frame(&o, wall_with(", -0.5,0,-0.5,0.5,0,-0.5,0,1e-6,-0.5"), stable_job(job));
+    struct glint_frame *with = stable_frame_of(&offline_crew, scene, stable_job(job));
+    struct glint_frame *without = stable_frame(
+        &offline_crew, wall_with(", -0.5,0,-0.5,0.5,0,-0.5,0,1e-6,-0.5"), stable_job(job));
     stable_assert_same(with, without);
     glint_frame_destroy(&with);
     glint_frame_destroy(&without);
@@ -109,7 +107,8 @@ static void coincident_surfaces_show_the_same_for_any_number_of_workers(void **s
 static void order_of_equal_coincident_instances_does_not_matter(void **state)
 {
     (void)state;
-    struct glint_frame *f = coincident(&o, 0, "red"), *g = coincident(&o, 1, "red");
+    struct glint_frame *f = coincident(&offline_crew, 0, "red"),
+                       *g = coincident(&offline_crew, 1, "red");
     stable_assert_same(f, g);
     glint_frame_destroy(&f);
     glint_frame_destroy(&g);
@@ -122,7 +121,7 @@ static struct glint_frame *still_life(double scale, double place)
 {
     const double s = scale, x = place;
     return stable_frame(
-        &o,
+        &offline_crew,
         stable_text(
             "{'environment':{'radiance':[0.2,0.3,0.4]},'materials':{'floor':{'base_color':[0.6,0.5,"
             "0.4]},"
@@ -187,20 +186,6 @@ static void far_places_keep_the_picture(void **state)
     glint_frame_destroy(&here);
 }
 
-static int start(void **state)
-{
-    (void)state;
-    offline_start(&o, 2);
-    return 0;
-}
-
-static int finish(void **state)
-{
-    (void)state;
-    offline_finish(&o);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -211,5 +196,5 @@ int main(void)
         cmocka_unit_test(decimal_scales_keep_the_picture),
         cmocka_unit_test(far_places_keep_the_picture),
     };
-    return cmocka_run_group_tests(tests, start, finish);
+    return cmocka_run_group_tests(tests, offline_crew_start, offline_crew_finish);
 }

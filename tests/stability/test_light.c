@@ -6,15 +6,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static struct offline o;
-
 #define UNIT 0x1p-24
 
 // Two mirrors of albedo r that face each other and emit e: N hits show e (1 - r^N) / (1 - r).
 static double facing_mirrors(float r, unsigned hits)
 {
     struct glint_frame *f = stable_frame(
-        &o,
+        &offline_crew,
         stable_text(
             "{'materials':{'m':{'base_color':[%.9g,%.9g,%.9g],'metallic':1,'roughness':0,"
             "'emission':[3,3,3]}},'meshes':{'q':{'primitive':'quad','size':[64,64]}},"
@@ -49,7 +47,7 @@ static void facing_mirrors_sum_a_geometric_series(void **state)
 static struct glint_frame *uneven_lamps(double scale)
 {
     return stable_frame(
-        &o,
+        &offline_crew,
         stable_text(
             "{'materials':{'grey':{'base_color':[0.5,0.5,0.5],'roughness':0.5},"
             "'bright':{'base_color':[0,0,0],'emission':[%.9g,%.9g,%.9g]},"
@@ -89,7 +87,7 @@ static void brightest_allowed_light_stays_finite(void **state)
 {
     (void)state;
     struct glint_frame *f = stable_frame(
-        &o,
+        &offline_crew,
         stable_text(
             "{'materials':{'m':{'base_color':[1,1,1],'ior':1,'emission':[1e20,1e20,0]}},"
             "'meshes':{'room':{'primitive':'box'}},"
@@ -107,7 +105,7 @@ static void clear_blocks_of_any_index_vanish_in_a_furnace(void **state)
     static const double ior[] = {1.0, 1.000001, 1.0002, 1.1, 10.0};
     for (int i = 0; i < 5; i++) {
         struct glint_frame *f = stable_frame(
-            &o,
+            &offline_crew,
             stable_text("{'environment':{'radiance':[1,1,1]},'materials':{'m':{'transmission':1,"
                         "'roughness':0,'ior':%.9g}},'meshes':{'b':{'primitive':'box'}},"
                         "'instances':{'b':{'mesh':'b','material':'m','transform':{'rotation':[0.3,"
@@ -128,7 +126,7 @@ static void clear_blocks_of_any_index_vanish_in_a_furnace(void **state)
 static struct glint_frame *grazing_view(const char *material, double cosine, const char *job)
 {
     return stable_frame(
-        &o,
+        &offline_crew,
         stable_text(
             "{'environment':{'radiance':[1,1,1]},'materials':{'m':{%s}},"
             "'meshes':{'q':{'primitive':'quad','size':[20,20]}},"
@@ -203,7 +201,7 @@ static void normals_below_the_horizon_leak_nothing_through_a_wall(void **state)
                                            "'metallic':1,'roughness':0", "'roughness':0.1"};
     for (int m = 0; m < 4; m++) {
         struct glint_frame *f =
-            stable_frame(&o, misled_room(material[m]),
+            stable_frame(&offline_crew, misled_room(material[m]),
                          stable_job("'resolution':[64,64],'max_bounces':6,'stop':{'samples':48}"));
         assert_float_equal(stable_most(f, "G"), 0.0, 0.0);
         glint_frame_destroy(&f);
@@ -215,7 +213,7 @@ static void normals_below_the_horizon_leak_nothing_through_a_wall(void **state)
 static double ball_under_gradient(const char *sky, const char *material, double roughness)
 {
     struct glint_frame *f = stable_frame(
-        &o,
+        &offline_crew,
         stable_text("{'images':{'sky':{'data':'%s'}},'environment':{'image':'sky'},"
                     "'materials':{'m':{%s,'roughness':%.9g}},'meshes':{'s':{'primitive':'sphere','"
                     "segments':48}},"
@@ -246,20 +244,6 @@ static void roughness_near_zero_continues_roughness_zero(void **state)
     free(uri);
 }
 
-static int start(void **state)
-{
-    (void)state;
-    offline_start(&o, 2);
-    return 0;
-}
-
-static int finish(void **state)
-{
-    (void)state;
-    offline_finish(&o);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -271,5 +255,5 @@ int main(void)
         cmocka_unit_test(normals_below_the_horizon_leak_nothing_through_a_wall),
         cmocka_unit_test(roughness_near_zero_continues_roughness_zero),
     };
-    return cmocka_run_group_tests(tests, start, finish);
+    return cmocka_run_group_tests(tests, offline_crew_start, offline_crew_finish);
 }

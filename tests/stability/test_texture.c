@@ -5,8 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static struct offline o;
-
 #define SIDE 6
 
 // Black and white texels in turns, as a data URI.
@@ -33,7 +31,7 @@ static struct glint_frame *checkered(const char *wrap, double u, double v, doubl
         "'cameras':{'eye':{'yfov':0.6,'transform':{'translation':[0,0,3]}}}}",
         uri, wrap, wrap, u, v + dv, u + du, v + dv, u + du, v, u, v);
     free(uri);
-    return stable_frame(&o, scene,
+    return stable_frame(&offline_crew, scene,
                         stable_job("'resolution':[64,64],'max_bounces':0,'stop':{'samples':16}"));
 }
 
@@ -118,7 +116,7 @@ static void shared_mesh_repeats_and_clamps_as_its_materials_say(void **state)
     char *uri = checker();
     for (uint32_t clamped = 0; clamped < 2; clamped++) {
         struct glint_frame *f = stable_frame(
-            &o, shared_mesh(uri, wrap[clamped == 0], wrap[clamped == 1]),
+            &offline_crew, shared_mesh(uri, wrap[clamped == 0], wrap[clamped == 1]),
             stable_job(
                 "'resolution':[32,32],'filter':{'kind':'box','width':1},'stop':{'samples':16}"));
         assert_float_equal(mean_of_half(f, clamped), 0.0, 1e-6); // the corner's black texel
@@ -141,7 +139,7 @@ static struct glint_frame *mapped(const char *texture, const char *mesh)
         uri, texture, mesh);
     free(uri);
     return stable_frame(
-        &o, scene,
+        &offline_crew, scene,
         stable_job("'resolution':[64,64],'max_bounces':0,'filter':{'kind':'box','width':1},"
                    "'stop':{'samples':16}"));
 }
@@ -263,7 +261,7 @@ static void vertex_colours_tint_and_mask(void **state)
         "'instances':{'q':{'mesh':'q','material':'m'}},"
         "'cameras':{'eye':{'yfov':0.6,'transform':{'translation':[0,0,3]}}}}");
     struct glint_frame *f = stable_frame(
-        &o, scene,
+        &offline_crew, scene,
         stable_job("'resolution':[64,64],'filter':{'kind':'box','width':1},'stop':{'samples':16}"));
     const float *r = glint_frame_find(f, "R"), *g = glint_frame_find(f, "G");
     const float *b = glint_frame_find(f, "B"), *a = glint_frame_find(f, "A");
@@ -281,20 +279,6 @@ static void vertex_colours_tint_and_mask(void **state)
     glint_frame_destroy(&f);
 }
 
-static int start(void **state)
-{
-    (void)state;
-    offline_start(&o, 2);
-    return 0;
-}
-
-static int finish(void **state)
-{
-    (void)state;
-    offline_finish(&o);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -308,5 +292,5 @@ int main(void)
         cmocka_unit_test(nearest_texels_have_hard_edges),
         cmocka_unit_test(vertex_colours_tint_and_mask),
     };
-    return cmocka_run_group_tests(tests, start, finish);
+    return cmocka_run_group_tests(tests, offline_crew_start, offline_crew_finish);
 }
