@@ -201,6 +201,7 @@ struct glint_request *glint_request_create(glint_http *http, struct MHD_Connecti
     r->started = glint_now();
     r->head = !strcmp(method, "HEAD");
     r->body.fd = -1;
+    r->client_name = "";
     r->url = strdup(url);
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);

@@ -51,6 +51,7 @@ struct glint_request {
     double started;
     char id[GLINT_REQUEST_ID_BYTES];
     char trace[GLINT_TRACE_BYTES]; // traceparent of this request
+    const char *client_name; // who asks, for fairness between clients; never NULL, "": not said
     bool head;
 
     char *url;  // as it came, without the query; NULL without memory
