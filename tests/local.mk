@@ -178,6 +178,7 @@ tests_clients_test_uri_LDADD = libglintcli.a $(LDADD)
 SCRIPT_TESTS = \
 	tests/clients/cli_daemon.py \
 	tests/clients/cli_bundle.py \
+	tests/clients/cli_identity.py \
 	tests/clients/cli_render.py \
 	tests/clients/cli_update.py \
 	tests/clients/cli_usage.py \

@@ -2,10 +2,13 @@
 #include "interrupt.h"
 #include "problem.h"
 
+#include <ctype.h>
 #include <curl/curl.h>
+#include <pwd.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 #define STREAM_SILENCE_S 60L
@@ -14,6 +17,8 @@ struct glint_client {
     CURLM *multi;
     CURL *easy;
     char *url;
+    char *token, *certificates; // or NULL
+    char user[65];              // what the daemon shares its workers by, "": nameless
 };
 
 // One request on its way.
@@ -27,6 +32,19 @@ struct transfer {
     bool too_large;  // the answer does not fit
     bool file_short; // the body's file ended early
 };
+
+// The login name, as far as a Glint-Client header takes it.
+static void name_user(char user[65])
+{
+    const struct passwd *entry = getpwuid(geteuid());
+    const char *name = entry ? entry->pw_name : "";
+    size_t length = 0;
+    for (; *name && length < 64; name++)
+        if (isascii((unsigned char)*name) &&
+            (isalnum((unsigned char)*name) || strchr("._@-", *name)))
+            user[length++] = *name;
+    user[length] = '\0';
+}
 
 glint_status glint_client_create(glint_client **out, const char *url, struct glint_error *err)
 {
@@ -42,7 +60,41 @@ glint_status glint_client_create(glint_client **out, const char *url, struct gli
         glint_client_destroy(&c);
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the HTTP client");
     }
+    name_user(c->user);
     *out = c;
+    return GLINT_OK;
+}
+
+// Where what is sent stays on this machine or is encrypted.
+static bool is_private(const char *url)
+{
+    static const char *const safe[] = {"https://", "http://127.", "http://[::1]",
+                                       "http://localhost:", "http://localhost/"};
+    for (size_t i = 0; i < sizeof safe / sizeof *safe; i++)
+        if (strncasecmp(url, safe[i], strlen(safe[i])) == 0)
+            return true;
+    return strcasecmp(url, "http://localhost") == 0;
+}
+
+static bool is_token(const char *token)
+{
+    size_t length = 0;
+    while (isgraph((unsigned char)token[length]))
+        length++;
+    return length && length <= 4096 && !token[length];
+}
+
+glint_status glint_client_identify(glint_client *client, const char *token,
+                                   const char *certificates, struct glint_error *err)
+{
+    if (token && !is_token(token))
+        return glint_fail(err, GLINT_E_RANGE, "", "a token is visible ASCII without white space");
+    if (token && !is_private(client->url))
+        return glint_fail(err, GLINT_E_RANGE, "",
+                          "%s: a token is sent to https:// or to this machine only", client->url);
+    if ((token && !(client->token = strdup(token))) ||
+        (certificates && !(client->certificates = strdup(certificates))))
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the HTTP client");
     return GLINT_OK;
 }
 
@@ -55,6 +107,8 @@ void glint_client_destroy(glint_client **client)
     curl_easy_cleanup(c->easy);
     curl_multi_cleanup(c->multi);
     free(c->url);
+    free(c->token);
+    free(c->certificates);
     free(c);
 }
 
@@ -143,9 +197,22 @@ static bool add_header(struct curl_slist **list, const char *name, const char *v
     return longer != NULL;
 }
 
-static bool make_headers(const struct glint_request *r, struct curl_slist **list)
+static bool add_token(const glint_client *c, struct curl_slist **list)
 {
-    return add_header(list, "Content-Type", r->body ? r->body->type : NULL) &&
+    char *value = NULL;
+    if (!c->token)
+        return true;
+    const bool added =
+        asprintf(&value, "Bearer %s", c->token) >= 0 && add_header(list, "Authorization", value);
+    free(value);
+    return added;
+}
+
+static bool make_headers(const glint_client *c, const struct glint_request *r,
+                         struct curl_slist **list)
+{
+    return add_token(c, list) && add_header(list, "Glint-Client", c->user[0] ? c->user : NULL) &&
+           add_header(list, "Content-Type", r->body ? r->body->type : NULL) &&
            add_header(list, "Idempotency-Key", r->idempotency_key) &&
            add_header(list, "Last-Event-ID", r->last_event_id) &&
            add_header(list, "If-Match", r->if_match) &&
@@ -247,8 +314,10 @@ glint_status glint_client_send(glint_client *client, const struct glint_request 
     char *url = NULL;
     glint_status status = GLINT_E_NOMEM;
     if (asprintf(&url, "%s%s", client->url, request->path) >= 0 &&
-        make_headers(request, &headers) && keep(&t, "", 0)) {
+        make_headers(client, request, &headers) && keep(&t, "", 0)) {
         set_options(client->easy, &t, url, headers);
+        if (client->certificates)
+            curl_easy_setopt(client->easy, CURLOPT_CAINFO, client->certificates);
         status = perform(client, &t, err);
         curl_easy_setopt(client->easy, CURLOPT_HTTPHEADER, NULL);
     } else {

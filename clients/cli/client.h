@@ -50,6 +50,12 @@ struct glint_answer {
 glint_status glint_client_create(glint_client **out, const char *url, struct glint_error *err);
 void glint_client_destroy(glint_client **client);
 
+// Who asks: a token that every request carries from now on, and a file of certificates (PEM) to
+// trust instead of the system's; NULL leaves either as it is. GLINT_E_RANGE: the token cannot stand
+// in a header, or would cross a network in the clear.
+glint_status glint_client_identify(glint_client *client, const char *token,
+                                   const char *certificates, struct glint_error *err);
+
 const char *glint_client_url(const glint_client *client);
 
 // GLINT_E_UNAVAILABLE where nobody answers; what a problem+json says where the answer is no 2xx.

@@ -19,6 +19,8 @@ static const struct glint_command *const commands[] = {
 
 static const struct glint_option common[] = {
     {"server", 's', "URL", "the daemon ($GLINT_SERVER, else " GLINT_DEFAULT_SERVER ")"},
+    {"token-file", 0, "FILE", "who you are: a file with the daemon's token ($GLINT_TOKEN)"},
+    {"ca-file", 0, "FILE", "certificates to trust, instead of the system's ($GLINT_CA_FILE)"},
     {"json", 'j', NULL, "print one JSON document"},
     {"help", 'h', NULL, "print this help"},
     {"version", 'V', NULL, "print the version"},

@@ -1,9 +1,11 @@
 #include "session.h"
 #include "problem.h"
+#include "uri.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define PROBE_MS 3000L
 
@@ -17,6 +19,41 @@ static bool answers(glint_client *client)
     const bool silent = err.count && err.status == GLINT_E_UNAVAILABLE;
     glint_error_finish(&err);
     return !silent;
+}
+
+// The first line of the file of --token-file, else $GLINT_TOKEN; malloc'd, or NULL.
+static glint_status read_token(const struct glint_arguments *a, char **token,
+                               struct glint_error *err)
+{
+    const char *file = glint_options_text(a, "token-file"), *given = getenv("GLINT_TOKEN");
+    struct glint_blob text;
+    *token = NULL;
+    if (!file) {
+        *token = given && *given ? strdup(given) : NULL;
+        return GLINT_OK;
+    }
+    const glint_status status = glint_uri_read_file(file, &text, "", err);
+    if (status)
+        return status;
+    *token = (char *)text.bytes;
+    (*token)[strcspn(*token, "\r\n")] = '\0';
+    return GLINT_OK;
+}
+
+static glint_status identify(struct glint_session *s, const struct glint_arguments *a,
+                             struct glint_error *err)
+{
+    const char *certificates = glint_options_text(a, "ca-file");
+    char *token;
+    if (!certificates)
+        certificates = getenv("GLINT_CA_FILE");
+    glint_status status = read_token(a, &token, err);
+    if (!status)
+        status = glint_client_identify(s->client, token,
+                                       certificates && *certificates ? certificates : NULL, err);
+    s->usage = s->usage || status == GLINT_E_RANGE;
+    free(token);
+    return status;
 }
 
 static glint_status use_private(struct glint_session *s, struct glint_error *err)
@@ -36,8 +73,10 @@ glint_status glint_session_open(struct glint_session *s, const struct glint_argu
     const char *server = glint_options_text(a, "server");
     if (!server)
         server = getenv("GLINT_SERVER");
-    const glint_status status =
+    glint_status status =
         glint_client_create(&s->client, server && *server ? server : GLINT_DEFAULT_SERVER, err);
+    if (!status)
+        status = identify(s, a, err);
     if (status || !spawn || answers(s->client))
         return status;
     return use_private(s, err);

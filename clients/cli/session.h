@@ -21,7 +21,7 @@ struct glint_session {
 #define GLINT_DEFAULT_SERVER "http://127.0.0.1:7745"
 
 // Connects to --server, else $GLINT_SERVER, else the default. With `spawn`, starts a private
-// daemon where none answers there.
+// daemon where none answers there. Requests carry the token of --token-file, else $GLINT_TOKEN.
 glint_status glint_session_open(struct glint_session *s, const struct glint_arguments *a,
                                 bool spawn, struct glint_error *err);
 

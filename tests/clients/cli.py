@@ -13,7 +13,8 @@ if not os.access(PROGRAM, os.X_OK):
 
 def environment(**more):
     """The tests' own, without the user's daemon."""
-    kept = {k: v for k, v in os.environ.items() if k != "GLINT_SERVER"}
+    mine = ("GLINT_SERVER", "GLINT_TOKEN", "GLINT_CA_FILE")
+    kept = {k: v for k, v in os.environ.items() if k not in mine}
     return {**kept, **more}
 
 
