@@ -4,8 +4,14 @@ noinst_LIBRARIES += libglintdaemon.a
 libglintdaemon_a_SOURCES = \
 	daemon/base/clock.c \
 	daemon/base/clock.h \
+	daemon/base/file.c \
+	daemon/base/file.h \
 	daemon/base/folders.c \
 	daemon/base/folders.h \
+	daemon/base/journal.c \
+	daemon/base/journal.h \
+	daemon/base/keeper.c \
+	daemon/base/keeper.h \
 	daemon/base/listen.c \
 	daemon/base/listen.h \
 	daemon/base/log.c \
@@ -16,8 +22,14 @@ libglintdaemon_a_SOURCES = \
 	daemon/base/metrics.h \
 	daemon/base/queue.c \
 	daemon/base/queue.h \
+	daemon/base/sha256.c \
+	daemon/base/sha256.h \
 	daemon/base/thread.c \
 	daemon/base/thread.h \
+	daemon/base/tokens.c \
+	daemon/base/tokens.h \
+	daemon/base/vault.c \
+	daemon/base/vault.h \
 	daemon/device/buffer.c \
 	daemon/device/device.c \
 	daemon/device/device.h \
@@ -31,6 +43,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/answer.c \
 	daemon/http/answer.h \
 	daemon/http/assets.c \
+	daemon/http/auth.c \
+	daemon/http/auth.h \
 	daemon/http/blob.c \
 	daemon/http/blob.h \
 	daemon/http/body.c \
@@ -70,6 +84,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/tiles.c \
 	daemon/http/trace.c \
 	daemon/http/trace.h \
+	daemon/http/viewer.c \
+	daemon/http/viewer.h \
 	daemon/http/watch.c \
 	daemon/http/watch.h \
 	daemon/jobs/admit.c \
@@ -81,6 +97,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/describe.h \
 	daemon/jobs/jobs.c \
 	daemon/jobs/jobs.h \
+	daemon/jobs/list.c \
 	daemon/jobs/look.c \
 	daemon/jobs/look.h \
 	daemon/jobs/patch.c \
@@ -94,6 +111,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/table.h \
 	daemon/jobs/turn.c \
 	daemon/jobs/turn.h \
+	daemon/render/archive.c \
 	daemon/render/camera.c \
 	daemon/render/effects.c \
 	daemon/render/effects.h \
@@ -231,8 +249,6 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/revision.c \
 	daemon/scene/revision.h \
 	daemon/scene/rows.c \
-	daemon/scene/sha256.c \
-	daemon/scene/sha256.h \
 	daemon/scene/shape.c \
 	daemon/scene/shape.h \
 	daemon/scene/share.c \
@@ -244,7 +260,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/textures.c \
 	daemon/scene/words.c \
 	daemon/scene/words.h
-nodist_libglintdaemon_a_SOURCES = kernels/embedded.c protocol/contract.c
+nodist_libglintdaemon_a_SOURCES = clients/web/embedded.c kernels/embedded.c protocol/contract.c
 
 bin_PROGRAMS += glintd
 glintd_SOURCES = \

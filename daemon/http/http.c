@@ -206,6 +206,7 @@ glint_status glint_http_create(glint_http **out, const struct glint_http_params 
     h->store = params->store;
     h->devices = params->devices;
     h->metrics = params->metrics;
+    h->tokens = params->tokens;
     h->version = params->version;
     h->limits = params->limits;
     set_limits(&h->limits);

@@ -12,6 +12,7 @@
 #define GLINT_HTTP_HTTP_H
 
 #include "base/metrics.h"
+#include "base/tokens.h"
 #include "device/device.h"
 #include "jobs/jobs.h"
 #include "scene/store.h"
@@ -34,6 +35,7 @@ struct glint_http_params {
     glint_store *store;
     glint_devices *devices;
     glint_metrics *metrics; // what GET /metrics writes; requests are counted into it
+    glint_tokens *tokens;   // what clients must bear, NULL: nothing
     const char *version;    // of the program, for GET /v1; outlives the server
     struct glint_http_limits limits;
 };

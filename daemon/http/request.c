@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "http/answer.h"
+#include "http/auth.h"
 #include "http/routes.h"
 #include "protocol/utf8.h"
 
@@ -177,7 +178,7 @@ static void check_header(struct glint_request *r, const char *url, const char *m
         return;
     }
     glint_route_find(r, method);
-    if (r->status)
+    if (r->status || !glint_auth_request(r))
         return;
     if (r->bad_query)
         glint_fail(&err, GLINT_E_SYNTAX, "", "the query is malformed or has over %d parameters",

@@ -8,6 +8,7 @@
 #ifndef GLINT_HTTP_REQUEST_H
 #define GLINT_HTTP_REQUEST_H
 
+#include "base/tokens.h"
 #include "http/offload.h"
 #include "http/server.h"
 #include "http/trace.h"
@@ -52,6 +53,8 @@ struct glint_request {
     char id[GLINT_REQUEST_ID_BYTES];
     char trace[GLINT_TRACE_BYTES]; // traceparent of this request
     const char *client_name; // who asks, for fairness between clients; never NULL, "": not said
+    char client_text[GLINT_CLIENT_BYTES];
+    enum glint_scope scope; // what he may
     bool head;
 
     char *url;  // as it came, without the query; NULL without memory

@@ -3,6 +3,7 @@
 #define GLINT_HTTP_SERVER_H
 
 #include "base/metrics.h"
+#include "base/tokens.h"
 #include "http/http.h"
 #include "http/offload.h"
 #include "http/watch.h"
@@ -30,6 +31,7 @@ struct glint_http {
     glint_jobs *jobs;
     glint_store *store;
     glint_devices *devices;
+    glint_tokens *tokens; // NULL: whoever reaches the server may everything
     const char *version;
     struct glint_http_limits limits;
     bool loopback; // only this machine can connect

@@ -1,0 +1,93 @@
+#include "http/auth.h"
+
+#include "http/answer.h"
+#include "http/routes.h"
+
+#include <string.h>
+#include <strings.h>
+
+// What a client needs before it has a token, or what tells nothing.
+static bool is_open(const struct glint_route *route)
+{
+    static const char *const open[] = {"/", "/healthz", "/readyz", "/openapi.yaml"};
+    for (size_t i = 0; i < sizeof open / sizeof *open; i++)
+        if (!strcmp(route->pattern, open[i]))
+            return true;
+    return !strncmp(route->pattern, "/viewer/", 8);
+}
+
+static enum glint_scope needed(const struct glint_route *route)
+{
+    if (is_open(route))
+        return GLINT_SCOPE_NONE;
+    return strcmp(route->method, "GET") ? GLINT_SCOPE_SUBMIT : GLINT_SCOPE_READ;
+}
+
+// The token of `Authorization: Bearer TOKEN` (RFC 6750, 2.1), or NULL.
+static const char *bearer(struct glint_request *r)
+{
+    const char *given = glint_request_header(r, "Authorization");
+    if (!given || strncasecmp(given, "Bearer ", 7))
+        return NULL;
+    return given + 7 + strspn(given + 7, " ");
+}
+
+static bool refuse(struct glint_request *r, int status, const char *title, const char *challenge,
+                   const char *detail)
+{
+    glint_answer_problem(r, status, title, "%s", detail);
+    glint_answer_header(r, "WWW-Authenticate", "%s", challenge);
+    return false;
+}
+
+static bool check_scope(struct glint_request *r, const char *secret)
+{
+    const enum glint_scope scope = needed(r->route);
+    if (r->scope >= scope)
+        return true;
+    if (!secret)
+        return refuse(r, MHD_HTTP_UNAUTHORIZED, "Unauthorised", "Bearer realm=\"glint\"",
+                      "this call needs a token: Authorization: Bearer");
+    if (!r->scope)
+        return refuse(r, MHD_HTTP_UNAUTHORIZED, "Unauthorised",
+                      "Bearer realm=\"glint\", error=\"invalid_token\"", "the token is not known");
+    glint_answer_problem(r, MHD_HTTP_FORBIDDEN, "Forbidden",
+                         "this call needs the scope %s, the token has %s", glint_scope_name(scope),
+                         glint_scope_name(r->scope));
+    glint_answer_header(r, "WWW-Authenticate",
+                        "Bearer realm=\"glint\", error=\"insufficient_scope\", scope=\"%s\"",
+                        glint_scope_name(scope));
+    return false;
+}
+
+static bool take_name(struct glint_request *r)
+{
+    const char *name = glint_request_header(r, "Glint-Client");
+    if (!name || glint_client_name_valid(name)) {
+        strcpy(r->client_text, name ? name : "");
+        return true;
+    }
+    struct glint_error err = {0};
+    glint_fail(&err, GLINT_E_RANGE, "", "Glint-Client: 1 to %d of A-Z a-z 0-9 . _ @ - are needed",
+               GLINT_CLIENT_BYTES - 1);
+    glint_answer_error(r, &err);
+    return false;
+}
+
+bool glint_auth_request(struct glint_request *r)
+{
+    r->client_name = r->client_text;
+    if (!r->http->tokens) {
+        r->scope = GLINT_SCOPE_ADMIN;
+        return take_name(r);
+    }
+    const char *secret = bearer(r);
+    if (secret)
+        r->scope = glint_tokens_find(r->http->tokens, secret, r->client_text);
+    return check_scope(r, secret);
+}
+
+const char *glint_auth_tenant(const struct glint_request *r)
+{
+    return r->scope < GLINT_SCOPE_ADMIN ? r->client_name : NULL;
+}
