@@ -27,6 +27,7 @@ static const struct {
     [GLINT_E_IO] = {500, 74, "Input or output failed", "/problems/io"},
     [GLINT_E_DEVICE] = {500, 71, "A device failed", "/problems/device"},
     [GLINT_E_UNAVAILABLE] = {503, 69, "No daemon answers", "/problems/unavailable"},
+    [GLINT_E_VERSION] = {500, 65, "Made by a later version", "/problems/version"},
     [GLINT_E_INTERNAL] = {500, 70, "Internal error", "/problems/internal"},
 };
 

@@ -26,6 +26,7 @@ typedef enum {
     GLINT_E_IO,          // 500
     GLINT_E_DEVICE,      // OpenCL or Embree refused: 500
     GLINT_E_UNAVAILABLE, // no daemon answers (clients only): 503
+    GLINT_E_VERSION,     // a file of a format that came later: 500
     GLINT_E_INTERNAL,    // 500
     GLINT_STATUS_COUNT
 } glint_status;

@@ -134,6 +134,31 @@ glint_status glint_render_matte(glint_render *render, enum glint_matte_layer lay
                                 const char *const *names, size_t count, struct glint_frame **out,
                                 struct glint_error *err);
 
+// The film as it stands at one moment, with all that frames and mattes of it need, in the format of
+// protocol/film.h: written to `fd` from its offset on. Workers go on meanwhile; calls for one render
+// follow one another. By any thread but the scheduler and workers.
+//   GLINT_E_IO  the file cannot be written; what was written is torn and is known as such when read
+glint_status glint_render_film(glint_render *render, int fd, struct glint_error *err);
+
+// Goes on from a film of the same job in the same revision of its scene: from `fd`'s offset on.
+// Before the first slice is taken, by whoever made the render. Otherwise the render is as it was:
+//   GLINT_E_SYNTAX   torn, or no film
+//   GLINT_E_RANGE    another job's or revision's; every difference has its fault
+//   GLINT_E_VERSION  of a format that came later
+glint_status glint_render_restore(glint_render *render, int fd, struct glint_error *err);
+
+// A render that has ended, without its scene or a device: what any thread may ask answers as it did
+// when the film was written; it gives no slices, moves nowhere and is not extended. Reads `fd` from
+// its offset on and keeps a descriptor of its own, through which pixels are read when they are asked
+// for: the file must not be written to any more, but may be unlinked. Errors as above, and
+//   GLINT_E_IO  the file cannot be read; of later calls too
+glint_status glint_render_open(glint_render **out, int fd, struct glint_error *err);
+
+// Another end for a job, whether it has come to its old one or not: `samples` as in its `stop`, with
+// the same meaning; error 0: none. False where the film has, or slices out bring it, more samples
+// than that, and where a sample range or an opened film cannot go on. By the scheduler only.
+bool glint_render_extend(glint_render *render, uint32_t samples, double error);
+
 // What GET .../plan shows: effects with reason, state, bytes and measured share; a new object.
 cJSON *glint_render_plan(const glint_render *render);
 
