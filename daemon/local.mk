@@ -88,7 +88,6 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/viewer.h \
 	daemon/http/watch.c \
 	daemon/http/watch.h \
-X
 	daemon/jobs/admit.c \
 	daemon/jobs/admit.h \
 	daemon/jobs/commands.c \
