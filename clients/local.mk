@@ -46,3 +46,20 @@ glint_demo_scene_SOURCES = \
 	clients/demo/shelves.c \
 	clients/demo/still_life.c
 glint_demo_scene_LDADD = $(CJSON_LIBS) -lm
+
+# The viewer: plain files that glintd carries and serves as they are.
+web_sources = \
+	clients/web/index.html \
+	clients/web/main.js \
+	clients/web/style.css
+EXTRA_DIST += $(web_sources)
+
+clients/web/embedded.c: $(web_sources) build-aux/embed.awk
+	$(AM_V_GEN)$(MKDIR_P) clients/web
+	$(AM_V_at)( echo '#include "http/viewer.h"'; \
+	  for f in $(web_sources); do printf 'file %s\n' $${f##*/}; \
+	    od -An -v -tu1 $(top_srcdir)/$$f || exit 1; done | \
+	  $(AWK) -f $(top_srcdir)/build-aux/embed.awk | \
+	  $(SED) 's/glint_sources/glint_viewer/' ) >$@.t && mv $@.t $@
+
+CLEANFILES += clients/web/embedded.c

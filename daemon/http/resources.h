@@ -41,11 +41,15 @@ void glint_http_job_plan(struct glint_request *r);
 void glint_http_job_convergence(struct glint_request *r);
 
 // service.c
-void glint_http_service_index(struct glint_request *r);
+void glint_http_service_calls(struct glint_request *r);
 void glint_http_service_health(struct glint_request *r);
 void glint_http_service_ready(struct glint_request *r);
 void glint_http_service_metrics(struct glint_request *r);
 void glint_http_service_contract(struct glint_request *r);
 void glint_http_service_describe(struct glint_request *r);
+
+// viewer.c
+void glint_http_viewer_index(struct glint_request *r);
+void glint_http_viewer_file(struct glint_request *r);
 
 #endif

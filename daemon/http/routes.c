@@ -9,7 +9,10 @@
 #define JOB "/v1/jobs/{}"
 
 const struct glint_route glint_route_table[] = {
-    {"GET", "/", glint_http_service_index, GLINT_LANE_NOW, GLINT_BODY_NONE, "", "this page"},
+    {"GET", "/", glint_http_viewer_index, GLINT_LANE_NOW, GLINT_BODY_NONE, "", "the viewer"},
+    {"GET", "/viewer/{}", glint_http_viewer_file, GLINT_LANE_NOW, GLINT_BODY_NONE, "",
+     "what its page loads"},
+    {"GET", "/calls", glint_http_service_calls, GLINT_LANE_NOW, GLINT_BODY_NONE, "", "this page"},
     {"GET", "/healthz", glint_http_service_health, GLINT_LANE_NOW, GLINT_BODY_NONE, "",
      "the process lives"},
     {"GET", "/readyz", glint_http_service_ready, GLINT_LANE_NOW, GLINT_BODY_NONE, "",

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The calls, for who opens the address in a browser.
-void glint_http_service_index(struct glint_request *r)
+// The calls, for people.
+void glint_http_service_calls(struct glint_request *r)
 {
     struct glint_text t = {0};
     size_t length;
@@ -22,7 +22,7 @@ void glint_http_service_index(struct glint_request *r)
             "<h1>glint</h1>\n<p>A render daemon. The contract: "
             "<a href=\"/openapi.yaml\">openapi.yaml</a>; what this one can do: "
             "<a href=\"/v1\">/v1</a>; its <a href=\"/v1/scenes\">scenes</a> and "
-            "<a href=\"/v1/jobs\">jobs</a>.</p>\n<table>\n");
+            "<a href=\"/v1/jobs\">jobs</a>; the <a href=\"/\">viewer</a>.</p>\n<table>\n");
     for (const struct glint_route *row = glint_route_table; row->method; row++)
         glint_text_print(&t, "<tr><td><code>%s</code><td><code>%s</code><td>%s\n", row->method,
                          row->pattern, row->summary);

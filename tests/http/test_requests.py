@@ -199,7 +199,7 @@ def test_the_contract_names_every_call_and_no_other():
         assert contract.headers["Content-Type"] == "application/yaml"
         assert contract.body.startswith(b"openapi: 3.1.")
         row = r"<tr><td><code>(\w+)</code><td><code>([^<]+)</code>"
-        served = set(re.findall(row, daemon.get("/").body.decode()))
+        served = set(re.findall(row, daemon.get("/calls").body.decode()))
         assert len(served) > 20 and calls_of_contract(contract.body.decode()) == served
 
 
