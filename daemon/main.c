@@ -82,7 +82,7 @@ static glint_status start_threads(struct house *h, struct glint_error *err)
     const struct glint_import_limits limits = import_limits();
     glint_status st = glint_store_create(&h->store, h->devices, h->importer, &limits, err);
     if (!st)
-        st = glint_jobs_create(&h->jobs, h->devices, h->store, glint_memory_total() / 2, err);
+        st = glint_jobs_create(&h->jobs, h->devices, h->store, NULL, err);
     if (!st)
         st = glint_metrics_create(&h->metrics, err);
     if (!st)

@@ -10,7 +10,12 @@
 
 void glint_http_jobs_list(struct glint_request *r)
 {
-    glint_answer_json(r, MHD_HTTP_OK, glint_jobs_list(r->http->jobs));
+    struct glint_error err = {0};
+    cJSON *list = glint_jobs_list(r->http->jobs, NULL, &err);
+    if (list)
+        glint_answer_json(r, MHD_HTTP_OK, list);
+    else
+        glint_answer_error(r, &err);
 }
 
 void glint_http_jobs_get(struct glint_request *r)
@@ -65,15 +70,17 @@ void glint_http_jobs_post(struct glint_request *r)
     struct glint_job *job = NULL;
     char id[GLINT_JOB_ID_BYTES];
     bool repeated = false;
-    const char *key = glint_request_header(r, "Idempotency-Key");
-    if (key && !is_key(key))
+    const struct glint_submission from = {.key = glint_request_header(r, "Idempotency-Key"),
+                                          .client = r->client_name,
+                                          .request = r->id};
+    if (from.key && !is_key(from.key))
         glint_fail(&err, GLINT_E_RANGE, "",
                    "Idempotency-Key: 1 to %d visible ASCII characters are needed", MAX_KEY);
     const glint_status st = glint_job_parse(&job, glint_body_text(r), r->body.length, &err);
     if (st != GLINT_E_SYNTAX && st != GLINT_E_TOO_LARGE)
         check_scene(r, &err);
     if (!err.count)
-        glint_jobs_submit(r->http->jobs, job, key, id, &repeated, &err);
+        glint_jobs_submit(r->http->jobs, job, &from, id, &repeated, &err);
     if (err.count) {
         glint_job_destroy(&job);
         glint_answer_error(r, &err);

@@ -111,7 +111,8 @@ static void warn_of_mattes(cJSON *warnings, const struct glint_scene *scene, uin
 }
 
 // All of the entry but what it takes from others.
-static struct glint_entry *new_entry(const struct glint_job *job, const char *key)
+static struct glint_entry *new_entry(const struct glint_job *job,
+                                     const struct glint_submission *from)
 {
     struct glint_entry *e = calloc(1, sizeof *e);
     if (!e)
@@ -119,9 +120,12 @@ static struct glint_entry *new_entry(const struct glint_job *job, const char *ke
     atomic_init(&e->references, 1);
     atomic_init(&e->abandoned, false);
     e->text = glint_job_write(job);
-    e->key = key ? strdup(key) : NULL;
+    e->key = from->key ? strdup(from->key) : NULL;
+    e->client = strdup(from->client ? from->client : "");
+    e->request = from->request ? strdup(from->request) : NULL;
     e->warnings = cJSON_CreateArray();
-    if (!e->text || !e->warnings || (key && !e->key))
+    if (!e->text || !e->warnings || !e->client || (from->key && !e->key) ||
+        (from->request && !e->request))
         glint_entry_release(&e);
     return e;
 }
@@ -144,11 +148,11 @@ static void fill(struct glint_entry *e, struct glint_job *job, glint_revision *r
 }
 
 glint_status glint_admit(struct glint_entry **out, glint_store *store, struct glint_job *job,
-                         const char *key, struct glint_error *err)
+                         const struct glint_submission *from, struct glint_error *err)
 {
     *out = NULL;
     glint_revision *revision = NULL;
-    glint_status st = check_key(key, err);
+    glint_status st = check_key(from->key, err);
     const glint_status found = find_scene(&revision, store, job->scene, err);
     st = st ? st : found;
     if (!st) {
@@ -158,7 +162,7 @@ glint_status glint_admit(struct glint_entry **out, glint_store *store, struct gl
         const glint_status posed = glint_posed_request(&request, scene, job, err);
         st = st ? st : posed;
     }
-    struct glint_entry *e = st ? NULL : new_entry(job, key);
+    struct glint_entry *e = st ? NULL : new_entry(job, from);
     if (!st && !e)
         st = glint_fail(err, GLINT_E_NOMEM, "", "no memory for a job");
     if (!st)

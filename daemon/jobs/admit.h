@@ -7,9 +7,9 @@
 #include "jobs/table.h"
 
 // An entry that no table has yet, with one reference, the scene's current revision pinned. Takes
-// `job` on success. key: NULL or the Idempotency-Key.
+// `job` on success.
 glint_status glint_admit(struct glint_entry **out, glint_store *store, struct glint_job *job,
-                         const char *key, struct glint_error *err);
+                         const struct glint_submission *from, struct glint_error *err);
 
 // The camera that `job` names is in the revision.
 glint_status glint_admit_camera(const glint_revision *revision, const struct glint_job *job,

@@ -2,6 +2,7 @@
 #include "jobs/scheduler_parts.h"
 
 #include "base/clock.h"
+#include "base/memory.h"
 #include "jobs/state.h"
 #include "jobs/turn.h"
 
@@ -20,7 +21,7 @@ static void answer(glint_scheduler *s, struct glint_command *c)
 
 static struct glint_entry *repeated(glint_scheduler *s, const struct glint_entry *e)
 {
-    return e->key ? glint_job_table_find_key(s->table, e->key) : NULL;
+    return e->key ? glint_job_table_find_key(s->table, e->client, e->key) : NULL;
 }
 
 static glint_status submit(glint_scheduler *s, struct glint_command *c)
@@ -32,14 +33,13 @@ static glint_status submit(glint_scheduler *s, struct glint_command *c)
     }
     if (s->stopping)
         return glint_fail(c->err, GLINT_E_BUSY, "", "the daemon is shutting down");
-    if (s->lives == GLINT_MAX_LIVE_JOBS)
-        return glint_fail(c->err, GLINT_E_BUSY, "", "%u jobs wait or render already",
-                          GLINT_MAX_LIVE_JOBS);
-    if (c->entry->film_bytes > s->film_bytes)
+    if (s->lives >= s->limits.live_jobs)
+        return glint_fail(c->err, GLINT_E_BUSY, "", "%zu jobs wait or render already", s->lives);
+    if (c->entry->film_bytes > s->limits.memory_bytes)
         return glint_fail(c->err, GLINT_E_CAPACITY, "/resolution",
                           "the film needs %.3g GiB of memory, all films may have %.3g",
-                          (double)c->entry->film_bytes / GIB, (double)s->film_bytes / GIB);
-    c->gone = glint_job_table_trim(s->table);
+                          (double)c->entry->film_bytes / GIB, (double)s->limits.memory_bytes / GIB);
+    c->gone = glint_job_table_trim(s->table, s->limits.ended_jobs);
     if (!glint_job_table_add(s->table, c->entry))
         return glint_fail(c->err, GLINT_E_NOMEM, "", "no memory for one more job");
     c->entry->slice_seconds = FIRST_SLICE;
@@ -99,7 +99,7 @@ static glint_status patch_ended(glint_scheduler *s, struct glint_command *c)
     if (e->state != GLINT_JOB_DONE || !longer || glint_render_complete(e->render))
         return glint_fail(c->err, GLINT_E_CONFLICT, "", "the job is %s and has no more to render",
                           glint_job_state_name(e->state));
-    if (s->stopping || s->lives == GLINT_MAX_LIVE_JOBS)
+    if (s->stopping || s->lives >= s->limits.live_jobs)
         return glint_fail(c->err, GLINT_E_BUSY, "", "no more jobs can render now");
     glint_state_stop_seconds(s->table, e, c->patch.seconds);
     if (c->patch.has_priority)
@@ -152,6 +152,20 @@ static void scene_changed(glint_scheduler *s, const char *scene)
             s->live[i]->stale = glint_now();
 }
 
+void glint_scheduler_limit(glint_scheduler *s, const struct glint_jobs_limits *limits)
+{
+    static const struct glint_jobs_limits defaults;
+    const struct glint_jobs_limits *l = limits ? limits : &defaults;
+    const uint32_t lives =
+        l->live_jobs && l->live_jobs < GLINT_MAX_LIVE_JOBS ? l->live_jobs : GLINT_MAX_LIVE_JOBS;
+    s->limits = (struct glint_jobs_limits){
+        .memory_bytes = l->memory_bytes ? l->memory_bytes : glint_memory_total() / 2,
+        .live_jobs = lives,
+        .ended_jobs = l->ended_jobs ? l->ended_jobs : GLINT_MAX_ENDED_JOBS,
+        .side_by_side = l->side_by_side ? l->side_by_side : GLINT_MAX_FILMS};
+    glint_scheduler_unblock(s);
+}
+
 static void begin_stop(glint_scheduler *s)
 {
     s->stopping = true;
@@ -178,6 +192,9 @@ void glint_scheduler_obey(glint_scheduler *s, struct glint_command *c)
     case GLINT_COMMAND_WATCH:
         s->changed = c->changed;
         s->user = c->user;
+        break;
+    case GLINT_COMMAND_LIMITS:
+        glint_scheduler_limit(s, &c->limits);
         break;
     case GLINT_COMMAND_STOP:
         begin_stop(s);

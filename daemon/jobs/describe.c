@@ -132,6 +132,9 @@ static cJSON *describe(const struct glint_entry *e, const struct moment *m)
     snprintf(plan, sizeof plan, "/v1/jobs/%s/plan", e->id);
     cJSON_AddStringToObject(object, "id", e->id);
     cJSON_AddStringToObject(object, "name", e->job->name ? e->job->name : "");
+    cJSON_AddStringToObject(object, "client", e->client);
+    if (e->request)
+        cJSON_AddStringToObject(object, "request", e->request);
     cJSON_AddStringToObject(object, "scene", e->job->scene);
     cJSON_AddStringToObject(object, "revision", m->revision);
     cJSON_AddStringToObject(object, "state", glint_job_state_name(m->state));

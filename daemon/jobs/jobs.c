@@ -28,7 +28,7 @@ static void scene_changed(void *user, const char *name)
 }
 
 glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_store *store,
-                               uint64_t film_bytes, struct glint_error *err)
+                               const struct glint_jobs_limits *limits, struct glint_error *err)
 {
     *out = NULL;
     glint_jobs *jobs = calloc(1, sizeof *jobs);
@@ -37,13 +37,19 @@ glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_s
     jobs->store = store;
     glint_job_table_init(&jobs->table);
     const glint_status st =
-        glint_scheduler_create(&jobs->scheduler, devices, store, &jobs->table, film_bytes, err);
+        glint_scheduler_create(&jobs->scheduler, devices, store, &jobs->table, limits, err);
     if (st)
         glint_jobs_destroy(&jobs);
     else
         glint_store_on_publish(store, scene_changed, jobs);
     *out = jobs;
     return st;
+}
+
+void glint_jobs_set_limits(glint_jobs *jobs, const struct glint_jobs_limits *limits)
+{
+    struct glint_command command = {.kind = GLINT_COMMAND_LIMITS, .limits = *limits};
+    tell(jobs, &command);
 }
 
 void glint_jobs_destroy(glint_jobs **jobs)
@@ -75,12 +81,13 @@ static glint_status repeat(struct glint_entry *known, const char *text, char id[
                               "the Idempotency-Key belongs to another request, job %s", id);
 }
 
-static struct glint_entry *hold_by_key(glint_jobs *jobs, const char *key)
+static struct glint_entry *hold_by_key(glint_jobs *jobs, const struct glint_submission *from)
 {
-    if (!key)
+    if (!from->key)
         return NULL;
     pthread_mutex_lock(&jobs->table.mutex);
-    struct glint_entry *known = glint_job_table_find_key(&jobs->table, key);
+    struct glint_entry *known =
+        glint_job_table_find_key(&jobs->table, from->client ? from->client : "", from->key);
     if (known)
         glint_entry_retain(known);
     pthread_mutex_unlock(&jobs->table.mutex);
@@ -116,16 +123,17 @@ static glint_status submit_again(struct glint_entry *known, struct glint_job *jo
     return st;
 }
 
-glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job, const char *key,
-                               char id[GLINT_JOB_ID_BYTES], bool *repeated, struct glint_error *err)
+glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job,
+                               const struct glint_submission *from, char id[GLINT_JOB_ID_BYTES],
+                               bool *repeated, struct glint_error *err)
 {
     // Before the scene is looked up: a repeated request is answered even if that has gone.
-    struct glint_entry *entry = hold_by_key(jobs, key);
+    struct glint_entry *entry = hold_by_key(jobs, from);
     *repeated = entry != NULL;
     if (entry)
         return submit_again(entry, job, id, err);
 
-    glint_status st = glint_admit(&entry, jobs->store, job, key, err);
+    glint_status st = glint_admit(&entry, jobs->store, job, from, err);
     if (st)
         return st;
     st = add(jobs, entry, id, repeated, err);
@@ -148,32 +156,10 @@ cJSON *glint_jobs_describe(glint_jobs *jobs, const char *id, struct glint_error 
     return object;
 }
 
-// Every entry, retained, in a malloc'd array; NULL without memory.
-static struct glint_entry **hold_all(struct glint_job_table *table, size_t *count)
+cJSON *glint_jobs_list(glint_jobs *jobs, const struct glint_jobs_filter *filter,
+                       struct glint_error *err)
 {
-    pthread_mutex_lock(&table->mutex);
-    *count = table->count;
-    struct glint_entry **all = malloc((table->count + 1) * sizeof *all);
-    for (size_t i = 0; all && i < table->count; i++)
-        all[i] = glint_entry_retain(table->entry[i]);
-    pthread_mutex_unlock(&table->mutex);
-    return all;
-}
-
-cJSON *glint_jobs_list(glint_jobs *jobs)
-{
-    size_t count;
-    struct glint_entry **all = hold_all(&jobs->table, &count);
-    if (!all)
-        return NULL;
-    cJSON *object = cJSON_CreateObject();
-    cJSON *list = cJSON_AddArrayToObject(object, "jobs");
-    for (size_t i = 0; i < count; i++) {
-        cJSON_AddItemToArray(list, glint_entry_describe(&jobs->table, all[i]));
-        glint_entry_release(&all[i]);
-    }
-    free(all);
-    return object;
+    return glint_entries_describe(&jobs->table, filter, err);
 }
 
 // Sends a command about the job named by `id`.

@@ -34,10 +34,19 @@ const char *glint_job_state_name(enum glint_job_state state);
 
 #define GLINT_JOB_ID_BYTES 33
 
-// film_bytes: memory for the films of all jobs. The oldest ended jobs are forgotten when a new one
-// needs theirs; a job that does not fit beside those that render waits.
+// What jobs may use. 0: the default of each. It may change at any time: what is there stays.
+struct glint_jobs_limits {
+    uint64_t memory_bytes; // of all films; half of the machine's memory
+    uint32_t live_jobs;    // queued, rendering or paused: 4096, and never more
+    uint32_t ended_jobs;   // known after their end: 1000
+    uint32_t side_by_side; // films of one priority or higher that get slices in turns: 8
+};
+
+// The oldest ended jobs are forgotten when a new one needs the memory of theirs; a job that does
+// not fit beside those that render waits. limits: NULL: the defaults.
 glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_store *store,
-                               uint64_t film_bytes, struct glint_error *err);
+                               const struct glint_jobs_limits *limits, struct glint_error *err);
+void glint_jobs_set_limits(glint_jobs *jobs, const struct glint_jobs_limits *limits);
 // Stops after the slices out now; every job that has not ended becomes cancelled.
 void glint_jobs_destroy(glint_jobs **jobs);
 
@@ -47,22 +56,41 @@ void glint_jobs_destroy(glint_jobs **jobs);
 // the one before is not running and will not be called again; NULL: none.
 void glint_jobs_on_change(glint_jobs *jobs, void (*changed)(void *user), void *user);
 
-// Takes `job` on success. The scene's current revision is pinned now. key: Idempotency-Key or
-// NULL; the same key with an equal body answers the same id and sets *repeated, with another body
-// it is GLINT_E_RANGE. A key is good for a day and no longer than its job is known.
+// What comes with a job beside its body. All may be NULL.
+struct glint_submission {
+    const char *key;     // Idempotency-Key
+    const char *client;  // who submits: clients share the workers alike; NULL: ""
+    const char *request; // id of the request, for the resource and the log
+};
+
+// Takes `job` on success. The scene's current revision is pinned now. The same key with an equal
+// body of the same client answers the same id and sets *repeated, with another body it is
+// GLINT_E_RANGE. A key is good for a day and no longer than its job is known.
 //   GLINT_E_RANGE     no such scene, no such camera (pointers into the job); the key
 //   GLINT_E_CAPACITY  its film is larger than all films may be together
 //   GLINT_E_BUSY      too many jobs wait, or the daemon is shutting down
-glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job, const char *key,
-                               char id[GLINT_JOB_ID_BYTES], bool *repeated,
-                               struct glint_error *err);
+glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job,
+                               const struct glint_submission *from, char id[GLINT_JOB_ID_BYTES],
+                               bool *repeated, struct glint_error *err);
 
-// {"id","name","scene","revision","state","priority","samples","target_samples","progress","error",
-//  "seconds","eta_seconds","worker_seconds","rays":{...},"plan","problem","warnings","created",
-//  "job":{...}} and {"jobs": [...]} in order of submission. Numbers not known yet are null;
-// "problem" is there when the job has failed.
+// Which jobs are listed.
+struct glint_jobs_filter {
+    uint32_t states;    // bit 1 << state for each; 0: all
+    const char *client; // NULL: of all
+    const char *after;  // id of the job that the list goes on behind, NULL: from the first on
+    uint32_t limit;     // 0: none
+};
+
+// {"id","name","client","request","scene","revision","state","priority","samples",
+//  "target_samples","progress","error","seconds","eta_seconds","worker_seconds","rays":{...},"plan",
+//  "problem","warnings","created","job":{...}} and {"jobs": [...], "next": id or null} in order of submission; filter:
+// NULL: all; next: what to go on behind, when the limit has cut the list. Numbers not known yet are
+// null; "problem" is there when the job has failed; "request" where the submission had one.
 cJSON *glint_jobs_describe(glint_jobs *jobs, const char *id, struct glint_error *err);
-cJSON *glint_jobs_list(glint_jobs *jobs);
+//   GLINT_E_NOT_FOUND  no such job
+//   GLINT_E_RANGE      there is no job `after`
+cJSON *glint_jobs_list(glint_jobs *jobs, const struct glint_jobs_filter *filter,
+                       struct glint_error *err);
 
 // First call on a live job cancels it and keeps its pixels (*forgotten false); on an ended one it
 // forgets the job (*forgotten true).

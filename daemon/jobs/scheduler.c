@@ -277,7 +277,7 @@ static void prepare_next(glint_scheduler *s)
     if (!e)
         return;
     struct glint_entry *gone = NULL;
-    e->blocked = !glint_job_table_make_room(s->table, e->film_bytes, s->film_bytes, &gone);
+    e->blocked = !glint_job_table_make_room(s->table, e->film_bytes, s->limits.memory_bytes, &gone);
     if (e->blocked)
         return;
     s->preparing = e->preparing = true;
@@ -384,7 +384,7 @@ static void *run(void *arg)
 
 glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *devices,
                                     glint_store *store, struct glint_job_table *table,
-                                    uint64_t film_bytes, struct glint_error *err)
+                                    const struct glint_jobs_limits *limits, struct glint_error *err)
 {
     *out = NULL;
     glint_scheduler *s = calloc(1, sizeof *s);
@@ -396,7 +396,7 @@ glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *device
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the scheduler");
     }
     s->table = table;
-    s->film_bytes = film_bytes;
+    glint_scheduler_limit(s, limits);
     s->load = load;
     pthread_mutex_init(&s->mutex, NULL);
     pthread_cond_init(&s->answer, NULL);

@@ -18,9 +18,10 @@ enum glint_command_kind {
     GLINT_COMMAND_SUBMIT, // adds `entry`, or finds the one with its key
     GLINT_COMMAND_DELETE, // cancels, or forgets
     GLINT_COMMAND_PATCH,
-    GLINT_COMMAND_SCENE, // the scene `scene` has a new revision
-    GLINT_COMMAND_WATCH, // sets the callback
-    GLINT_COMMAND_STOP,  // destroy's alone: cancels what lives, ends the thread once nothing is out
+    GLINT_COMMAND_SCENE,  // the scene `scene` has a new revision
+    GLINT_COMMAND_WATCH,  // sets the callback
+    GLINT_COMMAND_LIMITS, // sets `limits`
+    GLINT_COMMAND_STOP, // destroy's alone: cancels what lives, ends the thread once nothing is out
 };
 
 struct glint_command {
@@ -30,6 +31,7 @@ struct glint_command {
     const char *scene;            // SCENE
     void (*changed)(void *user);  // WATCH
     void *user;
+    struct glint_jobs_limits limits; // LIMITS
 
     // The answer.
     glint_status status;
@@ -40,11 +42,12 @@ struct glint_command {
     bool answered;                // the scheduler's and call's
 };
 
-// `table` outlives the scheduler. film_bytes: what all films together may hold.
+// `table` outlives the scheduler. limits: NULL: the defaults.
 // In `store` live jobs find their newest revision.
 glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *devices,
                                     glint_store *store, struct glint_job_table *table,
-                                    uint64_t film_bytes, struct glint_error *err);
+                                    const struct glint_jobs_limits *limits,
+                                    struct glint_error *err);
 // Stops after the slices out now; what has not ended becomes cancelled.
 void glint_scheduler_destroy(glint_scheduler **scheduler);
 

@@ -10,13 +10,13 @@
 
 struct glint_scheduler {
     struct glint_job_table *table;
-    uint64_t film_bytes;
     glint_crew *crew;
     glint_queue *inbox;
     pthread_t thread;
     bool started;
 
     // the thread's
+    struct glint_jobs_limits limits;               // none is 0
     struct glint_entry *live[GLINT_MAX_LIVE_JOBS]; // not ended, in order of submission
     size_t lives;
     uint32_t *load; // [workers] orders out
@@ -38,6 +38,9 @@ void glint_scheduler_obey(glint_scheduler *s, struct glint_command *command);
 
 void glint_scheduler_enter(glint_scheduler *s, struct glint_entry *entry,
                            enum glint_job_state state);
+
+// Takes limits, with the default for each that is 0.
+void glint_scheduler_limit(glint_scheduler *s, const struct glint_jobs_limits *limits);
 
 // Memory may have come free: who waited for it may try again.
 void glint_scheduler_unblock(glint_scheduler *s);

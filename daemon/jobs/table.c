@@ -43,14 +43,15 @@ struct glint_entry *glint_job_table_hold(struct glint_job_table *table, const ch
     return entry;
 }
 
-struct glint_entry *glint_job_table_find_key(const struct glint_job_table *table, const char *key)
+struct glint_entry *glint_job_table_find_key(const struct glint_job_table *table,
+                                             const char *client, const char *key)
 {
     const double oldest = glint_now() - GLINT_KEY_SECONDS;
     for (size_t i = table->count; i--;) {
         struct glint_entry *entry = table->entry[i];
         if (entry->submitted < oldest)
             return NULL;
-        if (entry->key && !strcmp(entry->key, key))
+        if (entry->key && !strcmp(entry->key, key) && !strcmp(entry->client, client))
             return entry;
     }
     return NULL;
@@ -106,13 +107,13 @@ static void take_out(struct glint_job_table *table, struct glint_entry *entry,
     *gone = entry;
 }
 
-struct glint_entry *glint_job_table_trim(struct glint_job_table *table)
+struct glint_entry *glint_job_table_trim(struct glint_job_table *table, size_t most)
 {
     size_t ended = 0;
     for (size_t i = 0; i < table->count; i++)
         ended += glint_state_ended(table->entry[i]->state);
     struct glint_entry *gone = NULL;
-    for (size_t i = 0; ended > GLINT_MAX_ENDED_JOBS;) {
+    for (size_t i = 0; ended > most;) {
         if (!glint_state_ended(table->entry[i]->state)) {
             i++;
             continue;
@@ -170,6 +171,8 @@ void glint_entry_release(struct glint_entry **entry)
     cJSON_Delete(e->warnings);
     free(e->trouble);
     free(e->text);
+    free(e->client);
+    free(e->request);
     free(e->key);
     free(e);
 }

@@ -19,7 +19,7 @@
 #include <stdatomic.h>
 
 #define GLINT_MAX_LIVE_JOBS 4096u  // queued, rendering or paused
-#define GLINT_MAX_ENDED_JOBS 1000u // kept; when more have ended, the oldest are forgotten
+#define GLINT_MAX_ENDED_JOBS 1000u // kept, unless told otherwise; the oldest are forgotten first
 #define GLINT_KEY_SECONDS \
     86400.0 // an Idempotency-Key is good for a day, and while its job is known
 
@@ -29,6 +29,8 @@ struct glint_entry {
     struct glint_job *job;
     char *text;      // canonical JSON of `job`
     char *key;       // Idempotency-Key or NULL
+    char *client;    // who submitted, "": nobody says
+    char *request;   // id of the request that did, or NULL
     cJSON *warnings; // array of strings
     char created[32];
     double submitted; // glint_now()
@@ -85,17 +87,18 @@ void glint_job_table_finish(struct glint_job_table *table); // drops every refer
 struct glint_entry *glint_job_table_hold(struct glint_job_table *table, const char *id,
                                          struct glint_error *err);
 
-// The entry that was submitted with this key in the last day, not retained, or NULL. With the
-// mutex, or by the scheduler.
-struct glint_entry *glint_job_table_find_key(const struct glint_job_table *table, const char *key);
+// The entry that the client submitted with this key in the last day, not retained, or NULL. With
+// the mutex, or by the scheduler.
+struct glint_entry *glint_job_table_find_key(const struct glint_job_table *table,
+                                             const char *client, const char *key);
 
 // Scheduler only. add takes the reference; false without memory. remove hands the table's reference
 // to the caller.
 bool glint_job_table_add(struct glint_job_table *table, struct glint_entry *entry);
 void glint_job_table_remove(struct glint_job_table *table, struct glint_entry *entry);
 
-// Scheduler only: takes the oldest ended jobs past GLINT_MAX_ENDED_JOBS out; a list by `next`.
-struct glint_entry *glint_job_table_trim(struct glint_job_table *table);
+// Scheduler only: takes the oldest ended jobs past `most` out; a list by `next`.
+struct glint_entry *glint_job_table_trim(struct glint_job_table *table, size_t most);
 
 // Scheduler only: takes as many of the oldest ended jobs out as hold the film that is too much for
 // `wanted` more within `limit`. False, and nothing done, where that cannot be enough. No film may

@@ -36,7 +36,7 @@ def test_every_fault_of_a_job_is_named_in_one_answer():
         for text in (b"", b"{", b"[1,2", b"{} {}", b'{"scene": "\xff"}', b'{"a": 1e999'):
             answer = daemon.post(text)
             assert answer.status == 400, (text, answer.status, answer.body)
-        assert daemon.get("/v1/jobs").json() == {"jobs": []}
+        assert daemon.get("/v1/jobs").json() == {"jobs": [], "next": None}
 
 
 def test_a_job_is_rendered_and_described():

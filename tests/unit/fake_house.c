@@ -168,10 +168,11 @@ void glint_jobs_on_change(glint_jobs *jobs, void (*changed)(void *user), void *u
     pthread_mutex_unlock(&jobs->mutex);
 }
 
-glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job, const char *key,
-                               char id[GLINT_JOB_ID_BYTES], bool *repeated, struct glint_error *err)
+glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job,
+                               const struct glint_submission *from, char id[GLINT_JOB_ID_BYTES],
+                               bool *repeated, struct glint_error *err)
 {
-    (void)key;
+    (void)from;
     struct fake_job *j = calloc(1, sizeof *j);
     pthread_mutex_lock(&jobs->mutex);
     if (!j || jobs->count == MAX_JOBS) {
@@ -209,8 +210,11 @@ cJSON *glint_jobs_describe(glint_jobs *jobs, const char *id, struct glint_error 
     return o;
 }
 
-cJSON *glint_jobs_list(glint_jobs *jobs)
+cJSON *glint_jobs_list(glint_jobs *jobs, const struct glint_jobs_filter *filter,
+                       struct glint_error *err)
 {
+    (void)filter;
+    (void)err;
     (void)jobs;
     cJSON *o = cJSON_CreateObject();
     cJSON_AddArrayToObject(o, "jobs");

@@ -54,7 +54,8 @@ void fixture_start_within(struct fixture *f, uint32_t workers, uint64_t film_byt
                                      NULL, &revision, &created, NULL),
                      GLINT_OK);
     glint_revision_release(&revision);
-    assert_int_equal(glint_jobs_create(&f->jobs, devices, f->store, film_bytes, NULL), GLINT_OK);
+    const struct glint_jobs_limits within = {.memory_bytes = film_bytes};
+    assert_int_equal(glint_jobs_create(&f->jobs, devices, f->store, &within, NULL), GLINT_OK);
     glint_jobs_on_change(f->jobs, note, NULL);
 }
 
@@ -87,7 +88,8 @@ glint_status fixture_try(struct fixture *f, const char *text, const char *key,
     double_quotes(json);
     assert_int_equal(glint_job_parse(&job, json, strlen(json), err), GLINT_OK);
     free(json);
-    const glint_status st = glint_jobs_submit(f->jobs, job, key, id, repeated, err);
+    const glint_status st =
+        glint_jobs_submit(f->jobs, job, &(struct glint_submission){.key = key}, id, repeated, err);
     if (st)
         glint_job_destroy(&job);
     return st;

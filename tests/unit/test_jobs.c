@@ -295,7 +295,7 @@ static void jobs_are_listed_in_order_of_submission(void **state)
         id[i] = fixture_submit(&f, "{'scene': 's', 'priority': %d, " SMALL "}", i);
     fixture_wait(&f, id[1], GLINT_JOB_DONE);
     delete (&f, id[1], true);
-    cJSON *list = glint_jobs_list(f.jobs);
+    cJSON *list = glint_jobs_list(f.jobs, NULL, NULL);
     const cJSON *jobs = cJSON_GetObjectItem(list, "jobs");
     assert_int_equal(cJSON_GetArraySize(jobs), 2);
     assert_string_equal(text(cJSON_GetArrayItem(jobs, 0), "id"), id[0]);

@@ -496,7 +496,7 @@ static void *bother(void *arg)
     for (int i = 0; i < 60; i++) {
         fixture_patch(c->f, c->id, i % 2 ? "{'paused': false}" : "{'paused': true}");
         fixture_patch(c->f, c->id, i % 3 ? "{'priority': 1}" : "{'priority': 0}");
-        cJSON_Delete(glint_jobs_list(c->f->jobs));
+        cJSON_Delete(glint_jobs_list(c->f->jobs, NULL, NULL));
         struct glint_job_view view;
         if (!glint_jobs_view(c->f->jobs, c->id, &view, NULL))
             glint_jobs_release(c->f->jobs, &view);
