@@ -70,7 +70,7 @@ def test_every_command_works_on_a_scene_and_its_job():
         assert "PASS" in house.glint("plan", job["id"]).stdout
         assert house.document("plan", job["id"])["effects"]
         assert house.document("cancel", job["id"])["outcome"] == "forgotten"
-        assert house.document("jobs") == {"jobs": []}
+        assert house.document("jobs") == {"jobs": [], "next": None}
 
 
 def test_an_update_rebuilds_what_it_touches_and_no_more():
