@@ -10,6 +10,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/base/folders.h \
 	daemon/base/journal.c \
 	daemon/base/journal.h \
+	daemon/base/journal_schema.c \
+	daemon/base/journal_schema.h \
 	daemon/base/keeper.c \
 	daemon/base/keeper.h \
 	daemon/base/listen.c \
@@ -24,6 +26,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/base/queue.h \
 	daemon/base/sha256.c \
 	daemon/base/sha256.h \
+	daemon/base/storage.c \
+	daemon/base/storage.h \
 	daemon/base/thread.c \
 	daemon/base/thread.h \
 	daemon/base/tokens.c \

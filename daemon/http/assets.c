@@ -1,7 +1,7 @@
 // assets.c - bytes that native scenes name by hash.
 #include "http/answer.h"
 #include "http/resources.h"
-#include "scene/sha256.h"
+#include "base/sha256.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 // import_answer.c - writing and distrustful reading of the answer memfd.
 #include "scene/import_answer.h"
 
-#include "scene/sha256.h"
+#include "base/sha256.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "base/clock.h"
 #include "scene/import_child.h"
 #include "scene/import_jail.h"
-#include "scene/sha256.h"
+#include "base/sha256.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -3,7 +3,7 @@
 #include "scene/data_uri.h"
 #include "scene/image_decode.h"
 #include "scene/import_child.h"
-#include "scene/sha256.h"
+#include "base/sha256.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 #include "scene/revision.h"
 
 #include "base/clock.h"
-#include "scene/sha256.h"
+#include "base/sha256.h"
 
 #include <pthread.h>
 #include <stdlib.h>

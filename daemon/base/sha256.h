@@ -1,8 +1,8 @@
 // sha256.h - the name of an asset: SHA-256 of its bytes in lower-case hex.
 //
 // Thread-safety: reentrant.
-#ifndef GLINT_SCENE_SHA256_H
-#define GLINT_SCENE_SHA256_H
+#ifndef GLINT_BASE_SHA256_H
+#define GLINT_BASE_SHA256_H
 
 #include <stddef.h>
 

@@ -1,5 +1,5 @@
 // sha256.c - libcrypto's digest, which uses the processor's instructions where it has them.
-#include "scene/sha256.h"
+#include "base/sha256.h"
 
 #include <openssl/sha.h>
 

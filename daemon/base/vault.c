@@ -1,0 +1,354 @@
+#include "base/vault.h"
+
+#include "base/log.h"
+#include "base/sha256.h"
+#include "base/storage.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define NAME_DIGITS 64
+#define PATH_BYTES 4096
+#define WRITE_BYTES ((size_t)16 << 20) // of one call of write()
+
+struct glint_vault {
+    char *folder;
+    _Atomic uint64_t bytes;
+    pthread_mutex_t putting;   // one writer at a time: two of one name would share a file beside
+    pthread_rwlock_t sweeping; // read by who puts, written by who removes
+};
+
+static bool is_name(const char *name)
+{
+    return strlen(name) == NAME_DIGITS && strspn(name, "0123456789abcdef") == NAME_DIGITS;
+}
+
+static void path_of(const glint_vault *v, const char *name, const char *suffix,
+                    char path[PATH_BYTES])
+{
+    snprintf(path, PATH_BYTES, "%s/%.2s/%s%s", v->folder, name, name, suffix);
+}
+
+static bool size_of(const glint_vault *v, const char *name, uint64_t *size)
+{
+    char path[PATH_BYTES];
+    struct stat s;
+    path_of(v, name, "", path);
+    if (stat(path, &s) || !S_ISREG(s.st_mode))
+        return false;
+    *size = (uint64_t)s.st_size;
+    return true;
+}
+
+// ---- what is there
+
+// Calls `visit` with every entry of every folder.
+static void walk(glint_vault *v, void (*visit)(glint_vault *v, const char *entry, void *user),
+                 void *user)
+{
+    char path[PATH_BYTES];
+    for (int i = 0; i < 256; i++) {
+        snprintf(path, sizeof path, "%s/%02x", v->folder, i);
+        DIR *dir = opendir(path);
+        for (struct dirent *e; dir && (e = readdir(dir));)
+            if (e->d_name[0] != '.')
+                visit(v, e->d_name, user);
+        if (dir)
+            closedir(dir);
+    }
+}
+
+static void count_or_clean(glint_vault *v, const char *entry, void *user)
+{
+    (void)user;
+    uint64_t size;
+    char path[PATH_BYTES];
+    if (is_name(entry)) {
+        if (size_of(v, entry, &size))
+            atomic_fetch_add(&v->bytes, size);
+    } else if (strlen(entry) > 4 && !strcmp(entry + strlen(entry) - 4, ".new")) {
+        snprintf(path, sizeof path, "%s/%.2s/%s", v->folder, entry, entry);
+        unlink(path);
+    }
+}
+
+static bool make_folders(const glint_vault *v)
+{
+    char path[PATH_BYTES];
+    bool made = !mkdir(v->folder, 0750) || errno == EEXIST;
+    for (int i = 0; made && i < 256; i++) {
+        snprintf(path, sizeof path, "%s/%02x", v->folder, i);
+        made = !mkdir(path, 0750) || errno == EEXIST;
+    }
+    return made && glint_storage_sync_folder(v->folder);
+}
+
+glint_status glint_vault_create(glint_vault **out, const char *folder, struct glint_error *err)
+{
+    glint_vault *v = *out = calloc(1, sizeof *v);
+    if (v)
+        v->folder = strdup(folder);
+    if (!v || !v->folder) {
+        free(v);
+        *out = NULL;
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the vault");
+    }
+    pthread_mutex_init(&v->putting, NULL);
+    pthread_rwlock_init(&v->sweeping, NULL);
+    if (!make_folders(v)) {
+        const glint_status st = glint_storage_fault(err, folder, "cannot be made", errno);
+        glint_vault_destroy(out);
+        return st;
+    }
+    walk(v, count_or_clean, NULL);
+    return GLINT_OK;
+}
+
+void glint_vault_destroy(glint_vault **vault)
+{
+    glint_vault *v = *vault;
+    *vault = NULL;
+    if (!v)
+        return;
+    pthread_rwlock_destroy(&v->sweeping);
+    pthread_mutex_destroy(&v->putting);
+    free(v->folder);
+    free(v);
+}
+
+// ---- putting: all are written, then all synced, which the disk does together
+
+static bool write_all(int fd, const char *bytes, size_t size)
+{
+    for (size_t done = 0; done < size;) {
+        const size_t left = size - done;
+        const ssize_t n = write(fd, bytes + done, left < WRITE_BYTES ? left : WRITE_BYTES);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return false;
+        done += (size_t)n;
+    }
+    return true;
+}
+
+// The descriptor of what was written beside, -1 with errno.
+static int write_beside(const glint_vault *v, const struct glint_blob *blob)
+{
+    char path[PATH_BYTES];
+    path_of(v, blob->name, ".new", path);
+    const int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
+    if (fd < 0 || write_all(fd, blob->bytes, blob->size))
+        return fd;
+    const int why = errno;
+    close(fd);
+    unlink(path);
+    errno = why;
+    return -1;
+}
+
+static bool sync_and_close(int fd)
+{
+    const bool synced = !fsync(fd);
+    const int why = errno;
+    const bool closed = !close(fd);
+    if (!synced)
+        errno = why;
+    return synced && closed;
+}
+
+static bool rename_one(glint_vault *v, const struct glint_blob *blob)
+{
+    char from[PATH_BYTES], to[PATH_BYTES];
+    path_of(v, blob->name, ".new", from);
+    path_of(v, blob->name, "", to);
+    if (rename(from, to))
+        return false;
+    atomic_fetch_add(&v->bytes, blob->size);
+    return true;
+}
+
+static bool sync_folders(const glint_vault *v, const struct glint_blob *const *blob, size_t count)
+{
+    bool touched[256] = {0}, synced = true;
+    char path[PATH_BYTES];
+    for (size_t i = 0; i < count && synced; i++) {
+        const char prefix[3] = {blob[i]->name[0], blob[i]->name[1], 0};
+        bool *seen = &touched[strtoul(prefix, NULL, 16)];
+        if (*seen)
+            continue;
+        *seen = true;
+        snprintf(path, sizeof path, "%s/%s", v->folder, prefix);
+        synced = glint_storage_sync_folder(path);
+    }
+    return synced;
+}
+
+static void drop_beside(const glint_vault *v, const struct glint_blob *const *blob, size_t count)
+{
+    char path[PATH_BYTES];
+    for (size_t i = 0; i < count; i++) {
+        path_of(v, blob[i]->name, ".new", path);
+        unlink(path);
+    }
+}
+
+#define BATCH 64u // files that are open at once
+
+static bool put_batch(glint_vault *v, const struct glint_blob *const *blob, size_t count)
+{
+    int fd[BATCH];
+    size_t open = 0;
+    bool good = true;
+    for (; open < count && good; open++)
+        good = (fd[open] = write_beside(v, blob[open])) >= 0;
+    open -= !good;
+    int why = errno;
+    for (size_t i = 0; i < open; i++)
+        if (!sync_and_close(fd[i]) && good) {
+            why = errno;
+            good = false;
+        }
+    for (size_t i = 0; i < count && good; i++)
+        if (!(good = rename_one(v, blob[i])))
+            why = errno;
+    if (good && !(good = sync_folders(v, blob, count)))
+        why = errno;
+    if (!good)
+        drop_beside(v, blob, count);
+    errno = why;
+    return good;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    const struct glint_blob *const *x = a, *const *y = b;
+    return strcmp((*x)->name, (*y)->name);
+}
+
+// Those that are not there yet, each once; returns how many.
+static size_t missing(const glint_vault *v, const struct glint_blob *blob, size_t count,
+                      const struct glint_blob **out)
+{
+    size_t kept = 0, wanted = 0;
+    uint64_t size;
+    for (size_t i = 0; i < count; i++)
+        if (!size_of(v, blob[i].name, &size) || size != blob[i].size)
+            out[wanted++] = &blob[i];
+    if (wanted > 1)
+        qsort(out, wanted, sizeof *out, by_name);
+    for (size_t i = 0; i < wanted; i++)
+        if (!kept || strcmp(out[kept - 1]->name, out[i]->name))
+            out[kept++] = out[i];
+    return kept;
+}
+
+glint_status glint_vault_put(glint_vault *v, const struct glint_blob *blob, size_t count,
+                             struct glint_error *err)
+{
+    if (!count)
+        return GLINT_OK;
+    const struct glint_blob **wanted = malloc(count * sizeof *wanted);
+    if (!wanted)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory to keep %zu assets", count);
+    glint_status st = GLINT_OK;
+    pthread_rwlock_rdlock(&v->sweeping);
+    pthread_mutex_lock(&v->putting);
+    const size_t n = missing(v, blob, count, wanted);
+    for (size_t i = 0; i < n && !st; i += BATCH)
+        if (!put_batch(v, wanted + i, n - i < BATCH ? n - i : BATCH))
+            st = glint_storage_fault(err, v->folder, "an asset", errno);
+    pthread_mutex_unlock(&v->putting);
+    pthread_rwlock_unlock(&v->sweeping);
+    free(wanted);
+    return st;
+}
+
+// ---- reading
+
+static glint_status put_aside(glint_vault *v, const char *name, struct glint_error *err)
+{
+    char from[PATH_BYTES], to[PATH_BYTES];
+    uint64_t size = 0;
+    path_of(v, name, "", from);
+    path_of(v, name, ".torn", to);
+    size_of(v, name, &size);
+    if (!rename(from, to))
+        atomic_fetch_sub(&v->bytes, size);
+    glint_log(GLINT_LOG_ERROR, "store", NULL, NULL,
+              "%s is damaged: its content is not what its name says; it is kept as %s", from, to);
+    return glint_fail(err, GLINT_E_IO, "", "the file of asset %s is damaged", name);
+}
+
+glint_status glint_vault_map(glint_vault *v, const char *name, const uint8_t **bytes, size_t *size,
+                             struct glint_error *err)
+{
+    char path[PATH_BYTES], content[65];
+    struct stat s;
+    path_of(v, name, "", path);
+    const int fd = is_name(name) ? open(path, O_RDONLY | O_CLOEXEC) : -1;
+    if (fd < 0 || fstat(fd, &s)) {
+        if (fd >= 0)
+            close(fd);
+        return glint_fail(err, GLINT_E_NOT_FOUND, "", "there is no file of asset %.64s", name);
+    }
+    void *base = s.st_size ? mmap(NULL, (size_t)s.st_size, PROT_READ, MAP_PRIVATE, fd, 0) : NULL;
+    close(fd);
+    if (base == MAP_FAILED)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory to map asset %s", name);
+    if (base)
+        glint_sha256(base, (size_t)s.st_size, content);
+    if (base && !strcmp(content, name)) {
+        *bytes = base;
+        *size = (size_t)s.st_size;
+        return GLINT_OK;
+    }
+    if (base)
+        munmap(base, (size_t)s.st_size);
+    return put_aside(v, name, err);
+}
+
+// ---- removing
+
+struct sweep {
+    bool (*needed)(void *user, const char *name);
+    void *user;
+};
+
+static void sweep_one(glint_vault *v, const char *name, void *user)
+{
+    const struct sweep *s = user;
+    char path[PATH_BYTES];
+    uint64_t size;
+    if (!is_name(name) || !size_of(v, name, &size) || s->needed(s->user, name))
+        return;
+    path_of(v, name, "", path);
+    if (!unlink(path))
+        atomic_fetch_sub(&v->bytes, size);
+}
+
+void glint_vault_sweep(glint_vault *v, const char *name,
+                       bool (*needed)(void *user, const char *name), void *user)
+{
+    struct sweep s = {needed, user};
+    pthread_rwlock_wrlock(&v->sweeping);
+    if (name)
+        sweep_one(v, name, &s);
+    else
+        walk(v, sweep_one, &s);
+    pthread_rwlock_unlock(&v->sweeping);
+}
+
+uint64_t glint_vault_bytes(const glint_vault *v)
+{
+    return atomic_load(&v->bytes);
+}
