@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #define GLINT_MAX_SIDE 16384u
+#define GLINT_DEFAULT_SAMPLES 256u   // of a job that says nothing of when to stop
 #define GLINT_MAX_SAMPLES (1u << 24) // per pixel: matte counters are exact up to here
 
 enum glint_output {
@@ -64,7 +65,7 @@ struct glint_job {
     char *animation;      // id or name; NULL: the scene's first; "none": the scene at rest
     bool live;            // follows the scene's revisions and camera moves
     uint32_t seed;
-    struct glint_job_stop stop; // absent: 256 samples
+    struct glint_job_stop stop; // absent: GLINT_DEFAULT_SAMPLES
     int32_t priority;           // -100..100
 };
 

@@ -18,7 +18,7 @@ static void set_defaults(struct glint_job *job)
     job->matte_levels = 6;
     job->filter = GLINT_FILTER_BLACKMAN_HARRIS;
     job->max_bounces = 8;
-    job->stop.samples = 256;
+    job->stop.samples = GLINT_DEFAULT_SAMPLES;
 }
 
 static void check_scene_name(const struct glint_json *at, const char *name)
