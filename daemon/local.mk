@@ -4,6 +4,8 @@ noinst_LIBRARIES += libglintdaemon.a
 libglintdaemon_a_SOURCES = \
 	daemon/base/clock.c \
 	daemon/base/clock.h \
+	daemon/base/config.c \
+	daemon/base/config.h \
 	daemon/base/file.c \
 	daemon/base/file.h \
 	daemon/base/folders.c \
@@ -22,6 +24,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/base/memory.h \
 	daemon/base/metrics.c \
 	daemon/base/metrics.h \
+	daemon/base/notify.c \
+	daemon/base/notify.h \
 	daemon/base/queue.c \
 	daemon/base/queue.h \
 	daemon/base/sha256.c \
@@ -51,6 +55,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/auth.h \
 	daemon/http/blob.c \
 	daemon/http/blob.h \
+	daemon/http/board.c \
+	daemon/http/board.h \
 	daemon/http/body.c \
 	daemon/http/contract.h \
 	daemon/http/dispatch.c \
@@ -86,6 +92,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/stream.c \
 	daemon/http/stream.h \
 	daemon/http/tiles.c \
+	daemon/http/topic.c \
+	daemon/http/topic.h \
 	daemon/http/trace.c \
 	daemon/http/trace.h \
 	daemon/http/viewer.c \
@@ -268,9 +276,16 @@ nodist_libglintdaemon_a_SOURCES = clients/web/embedded.c kernels/embedded.c prot
 
 bin_PROGRAMS += glintd
 glintd_SOURCES = \
+	daemon/house.h \
 	daemon/main.c \
 	daemon/mirror.c \
 	daemon/mirror.h \
 	daemon/options.c \
-	daemon/options.h
+	daemon/options.h \
+	daemon/serve.c \
+	daemon/serve.h \
+	daemon/settings.c \
+	daemon/settings.h \
+	daemon/ticker.c \
+	daemon/ticker.h
 glintd_LDADD = $(DAEMON_LIBS)

@@ -5,51 +5,35 @@
 #include "http/answer.h"
 #include "http/resources.h"
 #include "http/stream.h"
+#include "http/topic.h"
 
-#include <math.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
-#define RING 256
-#define MAX_TOPICS 64 // that nobody reads just now
-#define PROGRESS_SECONDS 0.25
-#define PING_SECONDS 15.0
-
-struct event {
-    const char *name;
-    char *data; // one line of JSON, owned
-};
-
-struct topic {
-    struct topic *next;
-    char job[GLINT_JOB_ID_BYTES];
-    unsigned readers; // guarded by the topics' mutex
-
-    pthread_mutex_t mutex;   // guards the rest
-    struct event ring[RING]; // event `id` is ring[id % RING]
-    uint64_t last;           // id of the newest
-    uint64_t count;          // events so far
-    char state[16];
-    double samples, progress;
-    int warnings;
-    double progress_at;
-    bool ended, gone;
-};
+#define MAX_IDLE_TOPICS 64 // that nobody reads just now
+#define GREETING "retry: 2000\n\n"
 
 struct glint_topics {
-    pthread_mutex_t mutex; // taken before any topic's
-    struct topic *first;   // least lately opened last
+    pthread_mutex_t mutex;
+    struct glint_topic *first; // most lately opened first
+    size_t count;
 };
 
 struct events {
     struct glint_stream stream;
-    struct topic *topic;
-    uint64_t cursor; // id of the last event that was sent
-    bool greeted;
-    bool resumes; // the client said where it stopped
+    struct glint_topic *topic;
+    uint64_t cursor; // id of the last event that was given
+    bool resumes;    // the client said where it stopped
 };
+
+uint64_t glint_topics_clock(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    return (uint64_t)now.tv_sec * 1000000 + (uint64_t)now.tv_nsec / 1000;
+}
 
 glint_status glint_topics_create(glint_topics **out, struct glint_error *err)
 {
@@ -60,14 +44,6 @@ glint_status glint_topics_create(glint_topics **out, struct glint_error *err)
     return GLINT_OK;
 }
 
-static void free_topic(struct topic *t)
-{
-    for (int i = 0; i < RING; i++)
-        free(t->ring[i].data);
-    pthread_mutex_destroy(&t->mutex);
-    free(t);
-}
-
 void glint_topics_destroy(glint_topics **topics)
 {
     glint_topics *all = *topics;
@@ -75,239 +51,125 @@ void glint_topics_destroy(glint_topics **topics)
     if (!all)
         return;
     while (all->first) {
-        struct topic *t = all->first;
+        struct glint_topic *t = all->first;
         all->first = t->next;
-        free_topic(t);
+        glint_topic_destroy(t);
     }
     pthread_mutex_destroy(&all->mutex);
     free(all);
 }
 
-// With the mutex. Forgets those that nobody reads past MAX_TOPICS.
+// With the mutex. Forgets those that nobody reads past MAX_IDLE_TOPICS.
 static void trim(glint_topics *all)
 {
     unsigned idle = 0;
-    for (struct topic **at = &all->first; *at;) {
-        struct topic *t = *at;
-        if (!t->readers && ++idle > MAX_TOPICS) {
+    for (struct glint_topic **at = &all->first; *at;) {
+        struct glint_topic *t = *at;
+        if (!t->users && ++idle > MAX_IDLE_TOPICS) {
             *at = t->next;
-            free_topic(t);
+            all->count--;
+            glint_topic_destroy(t);
         } else {
             at = &t->next;
         }
     }
 }
 
-static struct topic *new_topic(const char *job)
-{
-    struct topic *t = calloc(1, sizeof *t);
-    if (!t)
-        return NULL;
-    strcpy(t->job, job);
-    pthread_mutex_init(&t->mutex, NULL);
-    // Milliseconds: over every id of an older topic of this job, which had fewer events than that.
-    struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
-    t->last = (uint64_t)now.tv_sec * 1000 + (uint64_t)now.tv_nsec / 1000000;
-    t->progress_at = -INFINITY;
-    return t;
-}
-
-// The topic of a job, moved to the front, with one reader more.
-static struct topic *open_topic(glint_topics *all, const char *job)
+// The topic of a job, moved to the front, with one user more; NULL without memory.
+static struct glint_topic *open_topic(glint_topics *all, const char *job)
 {
     pthread_mutex_lock(&all->mutex);
-    struct topic **at = &all->first;
+    struct glint_topic **at = &all->first;
     while (*at && strcmp((*at)->job, job))
         at = &(*at)->next;
-    struct topic *t = *at;
+    struct glint_topic *t = *at;
     if (t)
         *at = t->next;
     else
-        t = new_topic(job);
+        all->count += (t = glint_topic_create(job)) != NULL;
     if (t) {
         t->next = all->first;
         all->first = t;
-        t->readers++;
+        t->users++;
     }
     trim(all);
     pthread_mutex_unlock(&all->mutex);
     return t;
 }
 
-static void close_topic(glint_topics *all, struct topic *t)
+static void close_topic(glint_topics *all, struct glint_topic *t)
 {
     pthread_mutex_lock(&all->mutex);
-    t->readers--;
+    t->users--;
     trim(all);
     pthread_mutex_unlock(&all->mutex);
 }
 
-// Takes `data`; without memory the event is lost.
-static void publish(struct topic *t, const char *name, char *data)
+// Those with readers, each with one user more, in a malloc'd array; NULL without memory.
+static struct glint_topic **hold_all(glint_topics *all, size_t *count)
 {
-    if (!data)
-        return;
-    struct event *e = &t->ring[++t->last % RING];
-    free(e->data);
-    *e = (struct event){name, data};
-    t->count++;
+    *count = 0;
+    pthread_mutex_lock(&all->mutex);
+    struct glint_topic **held = malloc((all->count + 1) * sizeof(struct glint_topic *));
+    for (struct glint_topic *t = all->first; held && t; t = t->next)
+        if (t->users) {
+            t->users++;
+            held[(*count)++] = t;
+        }
+    pthread_mutex_unlock(&all->mutex);
+    return held;
 }
 
-static double number(const cJSON *job, const char *name)
+void glint_topics_round(glint_http *http, uint64_t cause_us)
 {
-    return cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(job, name));
-}
-
-static void publish_progress(struct topic *t, const cJSON *job)
-{
-    static const char *const members[] = {"state", "samples", "progress",
-                                          "error", "seconds", "eta_seconds"};
-    const double samples = number(job, "samples"), progress = number(job, "progress");
-    const double now = glint_now();
-    if ((samples == t->samples && progress == t->progress) ||
-        now < t->progress_at + PROGRESS_SECONDS)
-        return;
-    t->samples = samples;
-    t->progress = progress;
-    t->progress_at = now;
-    cJSON *data = cJSON_CreateObject();
-    for (size_t i = 0; i < sizeof members / sizeof *members; i++) {
-        const cJSON *value = cJSON_GetObjectItemCaseSensitive(job, members[i]);
-        if (value)
-            cJSON_AddItemToObject(data, members[i], cJSON_Duplicate(value, true));
+    size_t count;
+    struct glint_topic **held = hold_all(http->topics, &count);
+    for (size_t i = 0; i < count; i++) {
+        struct glint_topic *t = held[i];
+        unsigned budget = UINT_MAX;
+        const uint64_t news = glint_topic_look(t, http->jobs, cause_us);
+        if (news)
+            glint_streams_wake(http, t, news, &budget);
+        close_topic(http->topics, t);
     }
-    publish(t, "progress", cJSON_PrintUnformatted(data));
-    cJSON_Delete(data);
+    free(held);
 }
 
-static void publish_warnings(struct topic *t, const cJSON *job)
-{
-    const cJSON *warnings = cJSON_GetObjectItemCaseSensitive(job, "warnings");
-    const int count = cJSON_GetArraySize(warnings);
-    for (; t->warnings < count; t->warnings++) {
-        cJSON *data = cJSON_CreateObject();
-        const cJSON *item = cJSON_GetArrayItem(warnings, t->warnings);
-        cJSON_AddItemToObject(data, "detail", cJSON_Duplicate(item, true));
-        publish(t, "warning", cJSON_PrintUnformatted(data));
-        cJSON_Delete(data);
-    }
-}
+// Streams
 
-static bool has_ended(const char *state)
-{
-    for (int s = GLINT_JOB_DONE; s <= GLINT_JOB_CANCELLED; s++)
-        if (!strcmp(state, glint_job_state_name((enum glint_job_state)s)))
-            return true;
-    return false;
-}
-
-static void publish_state(struct topic *t, const cJSON *job)
-{
-    const char *state = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(job, "state"));
-    if (!state || !strcmp(state, t->state))
-        return;
-    snprintf(t->state, sizeof t->state, "%s", state);
-    t->ended = has_ended(state);
-    publish(t, "state", cJSON_PrintUnformatted(job));
-    if (t->ended)
-        publish(t, "done", cJSON_PrintUnformatted(job));
-}
-
-// Looks at the job and publishes what is new; returns its description, NULL if it is gone. With
-// the topic's mutex.
-static cJSON *look(glint_http *h, struct topic *t)
-{
-    cJSON *job = glint_jobs_describe(h->jobs, t->job, NULL);
-    t->gone = !job;
-    if (!job || t->ended) // nothing follows `done`
-        return job;
-    publish_warnings(t, job);
-    publish_progress(t, job);
-    publish_state(t, job);
-    return job;
-}
-
-static void send_event(struct events *s, uint64_t id, const char *name, const char *data)
-{
-    char head[96];
-    const int n =
-        snprintf(head, sizeof head, "id: %llu\nevent: %s\ndata: ", (unsigned long long)id, name);
-    glint_stream_add(&s->stream, head, (size_t)n);
-    glint_stream_add(&s->stream, data, strlen(data));
-    glint_stream_add(&s->stream, "\n\n", 2);
-}
-
-// Sends the whole state, which stands for every event up to now, but for the end: that has an event
-// of its own, so that who is cut off before it still gets it.
-static void send_state(struct events *s, const char *name, const cJSON *job)
-{
-    char *data = cJSON_PrintUnformatted(job);
-    s->cursor = s->topic->last;
-    if (!data)
-        return;
-    const bool ended = s->topic->ended;
-    send_event(s, s->cursor - ended, name, data);
-    if (ended)
-        send_event(s, s->cursor, "done", data);
-    free(data);
-}
-
-static bool in_ring(const struct topic *t, uint64_t after)
-{
-    const uint64_t kept = t->count < RING ? t->count : RING;
-    return after <= t->last && t->last - after <= kept;
-}
-
-static void send_news(struct events *s, const cJSON *job)
-{
-    struct topic *t = s->topic;
-    const bool lost = !in_ring(t, s->cursor);
-    if (!s->greeted)
-        glint_stream_add(&s->stream, "retry: 2000\n\n", 13);
-    if (!s->greeted && !s->resumes)
-        send_state(s, "state", job);
-    else if (lost)
-        send_state(s, "reset", job);
-    s->greeted = true;
-    for (; s->cursor < t->last; s->cursor++) {
-        const struct event *e = &t->ring[(s->cursor + 1) % RING];
-        send_event(s, s->cursor + 1, e->name, e->data);
-    }
-}
-
-static bool fill(struct glint_stream *stream)
+static enum glint_stream_next read_events(struct glint_stream *stream, struct glint_blob **part)
 {
     struct events *s = (struct events *)stream;
-    struct topic *t = s->topic;
-    pthread_mutex_lock(&t->mutex);
-    cJSON *job = look(stream->http, t);
-    if (job)
-        send_news(s, job);
-    const bool more = job && !t->ended;
-    pthread_mutex_unlock(&t->mutex);
-    cJSON_Delete(job);
-    if (more && !stream->length && glint_now() > stream->filled_at + PING_SECONDS)
-        glint_stream_add(stream, ": ping\n\n", 8);
-    return more;
+    switch (glint_topic_read(s->topic, &s->cursor, part)) {
+    case GLINT_TOPIC_EVENT:
+        return GLINT_STREAM_PART;
+    case GLINT_TOPIC_LOST:
+        *part = glint_topic_state(s->topic, stream->http->jobs, "reset", "", &s->cursor);
+        return *part ? GLINT_STREAM_PART : GLINT_STREAM_END;
+    case GLINT_TOPIC_OVER:
+        return GLINT_STREAM_END;
+    case GLINT_TOPIC_NOTHING:
+        break;
+    }
+    return GLINT_STREAM_NOTHING;
 }
 
 static void destroy(struct glint_stream *stream)
 {
     struct events *s = (struct events *)stream;
-    if (s->topic)
-        close_topic(stream->http->topics, s->topic);
+    close_topic(stream->http->topics, s->topic);
     free(s);
 }
 
-// A client that comes back after the end has nothing to wait for: 204 stops its attempts.
-static bool nothing_follows(glint_http *h, struct events *s)
+// What the client is told first: where it stopped, that this is not known, or how things stand.
+static struct glint_blob *greet(struct events *s, glint_jobs *jobs)
 {
-    pthread_mutex_lock(&s->topic->mutex);
-    cJSON_Delete(look(h, s->topic));
-    const bool over = s->topic->ended && s->resumes && s->cursor == s->topic->last;
-    pthread_mutex_unlock(&s->topic->mutex);
-    return over;
+    const bool known = s->resumes && glint_topic_knows(s->topic, s->cursor);
+    if (!known)
+        return glint_topic_state(s->topic, jobs, s->resumes ? "reset" : "state", GREETING,
+                                 &s->cursor);
+    uint8_t *text = (uint8_t *)strdup(GREETING);
+    return text ? glint_blob_take(text, strlen(GREETING)) : NULL;
 }
 
 static void start(struct glint_request *r, struct events *s)
@@ -315,15 +177,20 @@ static void start(struct glint_request *r, struct events *s)
     const char *last = glint_request_header(r, "Last-Event-ID");
     s->resumes = last && *last;
     s->cursor = s->resumes ? strtoull(last, NULL, 10) : 0;
-    s->stream.fill = fill;
-    s->stream.destroy = destroy;
-    s->stream.http = r->http;
-    s->topic = open_topic(r->http->topics, r->argument[0]);
-    if (s->topic && !nothing_follows(r->http, s)) {
+    s->stream = (struct glint_stream){.http = r->http,
+                                      .source = s->topic,
+                                      .read = read_events,
+                                      .destroy = destroy,
+                                      .ping = ": ping\n\n"};
+    glint_topic_look(s->topic, r->http->jobs, glint_topics_clock());
+    // A client that comes back after the end has nothing to wait for: 204 stops its attempts.
+    const bool over = s->resumes && glint_topic_ended_with(s->topic, s->cursor);
+    s->stream.part = over ? NULL : greet(s, r->http->jobs);
+    if (s->stream.part) {
         glint_stream_start(r, &s->stream, "text/event-stream");
         return;
     }
-    if (s->topic)
+    if (over)
         glint_answer_empty(r, MHD_HTTP_NO_CONTENT);
     else
         glint_answer_response(r, 0, NULL);
@@ -340,8 +207,10 @@ void glint_http_events_stream(struct glint_request *r)
     }
     cJSON_Delete(job);
     struct events *s = calloc(1, sizeof *s);
-    if (s)
+    if (s && (s->topic = open_topic(r->http->topics, r->argument[0]))) {
         start(r, s);
-    else
-        glint_answer_response(r, 0, NULL);
+        return;
+    }
+    free(s);
+    glint_answer_response(r, 0, NULL);
 }

@@ -1,6 +1,8 @@
 #include "http/http.h"
 
+#include "base/clock.h"
 #include "base/log.h"
+#include "http/board.h"
 #include "http/dispatch.h"
 #include "http/events.h"
 #include "http/frames.h"
@@ -19,7 +21,7 @@
 
 #define LIBRARY_THREADS 2
 #define FRAME_BYTES ((size_t)256 << 20)
-#define PART_BYTES ((size_t)8 << 20)
+#define PING_ROUND_SECONDS 1.0
 #define CONNECTION_BYTES ((size_t)65536) // a request's header has to fit
 
 bool glint_http_enter(glint_http *http)
@@ -61,15 +63,29 @@ bool glint_http_job_ended(glint_http *http, const char *job)
 static void job_changed(void *user)
 {
     glint_http *h = user;
-    if (atomic_load(&h->readers)) // whoever comes later sees the change
-        glint_watch_wake(h->watch);
+    if (!atomic_load(&h->readers)) // whoever comes later sees the change
+        return;
+    uint64_t none = 0;
+    // Relaxed: only a time. Of several changes before a round the first one's counts.
+    atomic_compare_exchange_strong_explicit(&h->cause_us, &none, glint_topics_clock(),
+                                            memory_order_relaxed, memory_order_relaxed);
+    glint_watch_wake(h->watch);
 }
 
 static void round_of_watch(void *user)
 {
     glint_http *h = user;
+    const uint64_t cause_us = atomic_exchange_explicit(&h->cause_us, 0, memory_order_relaxed);
+    glint_topics_round(h, cause_us ? cause_us : glint_topics_clock());
     glint_dispatch_parked(h);
-    glint_streams_kick(h);
+    if (glint_boards_round(h))
+        glint_watch_wake(h->watch);
+    if (glint_http_draining(h))
+        glint_streams_wake_all(h);
+    if (glint_now() < h->pinged_at + PING_ROUND_SECONDS)
+        return;
+    glint_streams_ping(h);
+    h->pinged_at = glint_now();
 }
 
 static void on_connection(void *user, struct MHD_Connection *connection, void **client,
@@ -124,9 +140,9 @@ static void set_limits(struct glint_http_limits *l)
     if (!l->spool_bytes)
         l->spool_bytes = 2 * l->scene_bytes;
     if (!l->connections)
-        l->connections = 512;
+        l->connections = 2048;
     if (!l->streams)
-        l->streams = 128;
+        l->streams = 1024;
     if (!(l->header_seconds > 0))
         l->header_seconds = 10;
     if (!(l->idle_seconds > 0))
@@ -221,7 +237,7 @@ glint_status glint_http_create(glint_http **out, const struct glint_http_params 
 
     glint_status st = glint_frames_create(&h->frames, 32, FRAME_BYTES, err);
     if (!st)
-        st = glint_frames_create(&h->parts, 64, PART_BYTES, err);
+        st = glint_boards_create(&h->boards, err);
     if (!st)
         st = glint_topics_create(&h->topics, err);
     if (!st)
@@ -288,7 +304,7 @@ void glint_http_destroy(glint_http **http)
         glint_offload_destroy(&h->lane[i]);
     glint_watch_destroy(&h->watch);
     glint_topics_destroy(&h->topics);
-    glint_frames_destroy(&h->parts);
+    glint_boards_destroy(&h->boards);
     glint_frames_destroy(&h->frames);
     pthread_cond_destroy(&h->changed);
     pthread_mutex_destroy(&h->mutex);

@@ -23,8 +23,8 @@ struct glint_http_limits {
     size_t job_bytes;      // a job's JSON, 0: 1 MiB
     size_t scene_bytes;    // a scene's body, 0: 2 GiB
     size_t spool_bytes;    // all bodies under way together, 0: twice scene_bytes
-    uint32_t connections;  // 0: 512; more are answered 503
-    uint32_t streams;      // tiles and events together, 0: 128; more are answered 503
+    uint32_t connections;  // 0: 2048; more are answered 503
+    uint32_t streams;      // tiles and events together, 0: 1024; more are answered 503
     double header_seconds; // for a request's header to be complete, 0: 10
     double idle_seconds;   // without a byte either way, 0: 60
 };

@@ -25,6 +25,8 @@ enum glint_lane {
 
 struct glint_request;
 struct glint_stream;
+typedef struct glint_boards glint_boards;
+typedef struct glint_topics glint_topics;
 
 struct glint_http {
     struct MHD_Daemon *mhd;
@@ -39,15 +41,18 @@ struct glint_http {
     glint_watch *watch;
     glint_offload *lane[GLINT_LANES];
     struct glint_frames *frames; // of ended jobs
-    struct glint_frames *parts;  // of tile streams, for several clients
-    struct glint_topics *topics; // events of jobs that somebody watches
+    struct glint_boards *boards; // tiles of jobs that somebody watches
+    struct glint_topics *topics; // events of such jobs
 
     pthread_mutex_t lists; // guards these; taken before any stream's mutex
-    struct glint_stream *first_stream;
+    struct glint_stream *first_stream, *last_stream;
     uint32_t streams;
     struct glint_request *first_parked; // they wait for their jobs to end
 
     atomic_uint readers; // streams and parked requests; changed before a reader looks at its job
+    // When the next round's news began, on the clock of events' ids; 0: there are none.
+    _Atomic uint64_t cause_us;
+    double pinged_at; // the watcher's
 
     pthread_mutex_t mutex; // guards these; nothing is called under it
     pthread_cond_t changed;

@@ -9,68 +9,67 @@
 #include <string.h>
 #include <sys/socket.h>
 
-#define BLOCK_BYTES 32768
+#define BLOCK_BYTES 4096 // for clients that cannot take chunks; to others the library sends more
+#define PING_SECONDS 15.0
 // What the kernel keeps for a slow reader is old by the time it is read.
-#define SOCKET_BYTES (128 * 1024)
+#define SOCKET_BYTES (64 * 1024)
 
 // With s->mutex held. The stream may be freed as soon as the mutex is released.
 static void resume(struct glint_stream *s)
 {
     glint_http *h = s->http;
-    s->state = GLINT_STREAM_SENDING;
+    s->idle = false;
     MHD_resume_connection(s->connection);
     glint_http_leave(h);
 }
 
-static void fill(struct glint_task *task)
-{
-    struct glint_stream *s = (struct glint_stream *)task;
-    s->length = s->sent = 0;
-    const bool more = s->fill(s);
-    if (s->length)
-        s->filled_at = glint_now();
-    pthread_mutex_lock(&s->mutex);
-    s->ended |= !more || glint_http_draining(s->http);
-    if (s->length || s->ended || s->gone) {
-        resume(s);
-    } else if (s->kicked) {
-        s->kicked = false;
-        glint_offload_push(s->http->lane[GLINT_LANE_STREAM], &s->task);
-    } else {
-        s->state = GLINT_STREAM_IDLE;
-    }
-    pthread_mutex_unlock(&s->mutex);
-}
-
-// The lane has room for every stream, so a push never fails.
-static bool suspend_to_fill(struct glint_stream *s)
+static bool suspend(struct glint_stream *s)
 {
     if (!glint_http_enter(s->http))
         return false;
-    s->state = GLINT_STREAM_FILLING;
-    s->kicked = false;
+    s->idle = true;
+    s->idle_since = glint_now();
     MHD_suspend_connection(s->connection);
-    glint_offload_push(s->http->lane[GLINT_LANE_STREAM], &s->task);
     return true;
+}
+
+static size_t take_bytes(struct glint_stream *s, char *buffer, size_t size)
+{
+    const size_t left = s->part->size - s->sent, n = left < size ? left : size;
+    memcpy(buffer, s->part->bytes + s->sent, n);
+    s->sent += n;
+    if (n == left) {
+        glint_blob_release(&s->part);
+        s->sent = 0;
+    }
+    return n;
+}
+
+static enum glint_stream_next next_part(struct glint_stream *s)
+{
+    if (s->gone)
+        return GLINT_STREAM_BROKEN;
+    if (s->part)
+        return GLINT_STREAM_PART;
+    return glint_http_draining(s->http) ? GLINT_STREAM_END : s->read(s, &s->part);
 }
 
 static ssize_t read_stream(void *user, uint64_t position, char *buffer, size_t size)
 {
     (void)position;
     struct glint_stream *s = user;
+    enum glint_stream_next next = GLINT_STREAM_NOTHING;
+    size_t n = 0;
     pthread_mutex_lock(&s->mutex);
-    ssize_t n = (ssize_t)(s->length - s->sent);
-    if (s->gone) {
-        n = MHD_CONTENT_READER_END_WITH_ERROR;
-    } else if (n) {
-        n = n < (ssize_t)size ? n : (ssize_t)size;
-        memcpy(buffer, s->bytes + s->sent, (size_t)n);
-        s->sent += (size_t)n;
-    } else if (s->ended || !suspend_to_fill(s)) {
-        n = MHD_CONTENT_READER_END_OF_STREAM;
-    }
+    while (n < size && (next = next_part(s)) == GLINT_STREAM_PART)
+        n += take_bytes(s, buffer + n, size - n);
+    ssize_t result = (ssize_t)n; // what else there is shows at the next call
+    if (!n && next == GLINT_STREAM_BROKEN)
+        result = MHD_CONTENT_READER_END_WITH_ERROR;
+    else if (!n && (next == GLINT_STREAM_END || !suspend(s)))
+        result = MHD_CONTENT_READER_END_OF_STREAM;
     pthread_mutex_unlock(&s->mutex);
-    return n;
+    return result;
 }
 
 static void client_left(void *user)
@@ -78,21 +77,44 @@ static void client_left(void *user)
     struct glint_stream *s = user;
     pthread_mutex_lock(&s->mutex);
     s->gone = true;
-    if (s->state == GLINT_STREAM_IDLE)
+    if (s->idle)
         resume(s);
     pthread_mutex_unlock(&s->mutex);
+}
+
+// Lists: with http->lists.
+
+static void append(struct glint_stream *s)
+{
+    glint_http *h = s->http;
+    s->next = NULL;
+    s->previous = h->last_stream;
+    *(h->last_stream ? &h->last_stream->next : &h->first_stream) = s;
+    h->last_stream = s;
+}
+
+static void take_out(struct glint_stream *s)
+{
+    glint_http *h = s->http;
+    *(s->previous ? &s->previous->next : &h->first_stream) = s->next;
+    *(s->next ? &s->next->previous : &h->last_stream) = s->previous;
 }
 
 static void unlink_stream(struct glint_stream *s)
 {
     glint_http *h = s->http;
     pthread_mutex_lock(&h->lists);
-    *(s->previous ? &s->previous->next : &h->first_stream) = s->next;
-    if (s->next)
-        s->next->previous = s->previous;
+    take_out(s);
     h->streams--;
     atomic_fetch_sub(&h->readers, 1);
     pthread_mutex_unlock(&h->lists);
+}
+
+static void free_stream(struct glint_stream *s)
+{
+    pthread_mutex_destroy(&s->mutex);
+    glint_blob_release(&s->part);
+    s->destroy(s);
 }
 
 // The library is done with the answer; the connection is not suspended.
@@ -104,9 +126,7 @@ static void end(void *user)
     // Whoever resumed it may not have released the mutex yet.
     pthread_mutex_lock(&s->mutex);
     pthread_mutex_unlock(&s->mutex);
-    pthread_mutex_destroy(&s->mutex);
-    free(s->bytes);
-    s->destroy(s);
+    free_stream(s);
 }
 
 static bool link_stream(struct glint_stream *s)
@@ -117,10 +137,7 @@ static bool link_stream(struct glint_stream *s)
     if (room) {
         h->streams++;
         atomic_fetch_add(&h->readers, 1);
-        s->next = h->first_stream;
-        if (s->next)
-            s->next->previous = s;
-        h->first_stream = s;
+        append(s);
     }
     pthread_mutex_unlock(&h->lists);
     return room;
@@ -142,29 +159,26 @@ static void set_socket(struct MHD_Connection *connection)
 // To HEAD the library would send the end of a body of unknown length, as if it had one.
 static void answer_head(struct glint_request *r, struct glint_stream *stream, const char *type)
 {
-    stream->destroy(stream);
+    free_stream(stream);
     glint_answer_empty(r, MHD_HTTP_OK);
     glint_answer_header(r, "Content-Type", "%s", type);
 }
 
 void glint_stream_start(struct glint_request *r, struct glint_stream *stream, const char *type)
 {
-    stream->task.run = fill;
     stream->http = r->http;
     stream->connection = r->connection;
     stream->client = r->client;
-    stream->filled_at = glint_now();
+    pthread_mutex_init(&stream->mutex, NULL);
     if (r->head) {
         answer_head(r, stream, type);
         return;
     }
-    pthread_mutex_init(&stream->mutex, NULL);
     if (!link_stream(stream)) {
         struct glint_error err = {0};
         glint_fail(&err, GLINT_E_BUSY, "", "too many streams are open, or the server stops");
         glint_answer_error(r, &err);
-        pthread_mutex_destroy(&stream->mutex);
-        stream->destroy(stream);
+        free_stream(stream);
         return;
     }
     set_socket(r->connection);
@@ -181,33 +195,71 @@ void glint_stream_start(struct glint_request *r, struct glint_stream *stream, co
     glint_answer_header(r, "Cache-Control", "no-store");
 }
 
-bool glint_stream_add(struct glint_stream *stream, const void *bytes, size_t size)
+static bool wake(struct glint_stream *s)
 {
-    if (stream->length + size > stream->capacity) {
-        const size_t capacity = stream->length + size + BLOCK_BYTES;
-        uint8_t *grown = realloc(stream->bytes, capacity);
-        if (!grown)
-            return false;
-        stream->bytes = grown;
-        stream->capacity = capacity;
-    }
-    memcpy(stream->bytes + stream->length, bytes, size);
-    stream->length += size;
-    return true;
+    pthread_mutex_lock(&s->mutex);
+    const bool idle = s->idle;
+    if (idle)
+        resume(s);
+    pthread_mutex_unlock(&s->mutex);
+    return idle;
 }
 
-void glint_streams_kick(glint_http *http)
+// Wakes it unless it was for these news. False: that would be over the budget.
+static bool wake_for(struct glint_stream *s, uint64_t news, unsigned *budget)
+{
+    pthread_mutex_lock(&s->mutex);
+    const bool due = s->idle && s->seen != news, woken = due && *budget;
+    if (woken) {
+        s->seen = news;
+        --*budget;
+        resume(s);
+    }
+    pthread_mutex_unlock(&s->mutex);
+    if (woken) {
+        take_out(s);
+        append(s);
+    }
+    return woken || !due;
+}
+
+bool glint_streams_wake(glint_http *http, const void *source, uint64_t news, unsigned *budget)
+{
+    bool left = false;
+    pthread_mutex_lock(&http->lists);
+    uint32_t count = http->streams; // those that are woken go to the end
+    for (struct glint_stream *s = http->first_stream, *next; count-- && !left; s = next) {
+        next = s->next;
+        left = s->source == source && !wake_for(s, news, budget);
+    }
+    pthread_mutex_unlock(&http->lists);
+    return left;
+}
+
+void glint_streams_wake_all(glint_http *http)
 {
     pthread_mutex_lock(&http->lists);
-    for (struct glint_stream *s = http->first_stream; s; s = s->next) {
-        pthread_mutex_lock(&s->mutex);
-        if (s->state == GLINT_STREAM_IDLE) {
-            s->state = GLINT_STREAM_FILLING;
-            glint_offload_push(http->lane[GLINT_LANE_STREAM], &s->task);
-        } else {
-            s->kicked = true;
-        }
-        pthread_mutex_unlock(&s->mutex);
+    for (struct glint_stream *s = http->first_stream; s; s = s->next)
+        wake(s);
+    pthread_mutex_unlock(&http->lists);
+}
+
+static void ping(struct glint_stream *s, double now)
+{
+    pthread_mutex_lock(&s->mutex);
+    if (s->idle && s->ping && now > s->idle_since + PING_SECONDS) {
+        uint8_t *text = (uint8_t *)strdup(s->ping);
+        s->part = text ? glint_blob_take(text, strlen(s->ping)) : NULL;
+        resume(s);
     }
+    pthread_mutex_unlock(&s->mutex);
+}
+
+void glint_streams_ping(glint_http *http)
+{
+    const double now = glint_now();
+    pthread_mutex_lock(&http->lists);
+    for (struct glint_stream *s = http->first_stream; s; s = s->next)
+        ping(s, now);
     pthread_mutex_unlock(&http->lists);
 }

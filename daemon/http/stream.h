@@ -1,52 +1,59 @@
 // stream.h - an answer that goes on for as long as its job changes.
 //
-// The library's thread asks for bytes; when there are none it suspends the connection and the
-// stream lane fills the buffer, so a slow client costs one buffer and no work, and what changed in
-// between is seen once. One mutex per stream guards suspend and resume.
+// What is sent are parts that all clients of a source share: a client has a cursor and one reference
+// to the part that is under way, never a queue. The library's thread asks for bytes; when there are
+// none it suspends the connection until the source has news. So a slow client costs no work, and
+// what was superseded meanwhile it never sees.
 //
-// A stream is one of these, in turn:
-//   SENDING  the library owns the buffer
-//   FILLING  suspended; the lane owns the buffer
-//   IDLE     suspended; nothing to send until glint_streams_kick
+// Threads: any, but for what says otherwise.
 #ifndef GLINT_HTTP_STREAM_H
 #define GLINT_HTTP_STREAM_H
 
+#include "http/blob.h"
 #include "http/request.h"
 
-enum glint_stream_state { GLINT_STREAM_SENDING, GLINT_STREAM_FILLING, GLINT_STREAM_IDLE };
+enum glint_stream_next {
+    GLINT_STREAM_PART,
+    GLINT_STREAM_NOTHING, // until the source has news
+    GLINT_STREAM_END,     // also when asked again
+    GLINT_STREAM_BROKEN   // the connection is closed without the end of its body
+};
 
 // First member of each kind of stream.
 struct glint_stream {
-    struct glint_task task;
     glint_http *http;
     struct MHD_Connection *connection;
     uint64_t client;
-    struct glint_stream *next, *previous; // guarded by http->lists
+    const void *source;                   // whose news it waits for
+    struct glint_stream *next, *previous; // guarded by http->lists, least lately woken first
 
-    // Adds to the buffer what is new, if anything. Returns false when nothing will ever follow.
-    // Called by one thread at a time, without locks.
-    bool (*fill)(struct glint_stream *stream);
+    // Gives the part at the cursor with a reference and moves the cursor on. Library's thread,
+    // with the stream's mutex.
+    enum glint_stream_next (*read)(struct glint_stream *stream, struct glint_blob **part);
     void (*destroy)(struct glint_stream *stream); // frees the whole object
+    const char *ping;                             // sent after a long silence; NULL: nothing is
 
-    uint8_t *bytes; // the buffer; owner by state
-    size_t length, capacity, sent;
-    double filled_at; // when bytes were last added, on glint_now()'s clock
-
-    pthread_mutex_t mutex; // guards the rest
-    enum glint_stream_state state;
-    bool kicked; // while it was being filled
-    bool gone;   // the client left
-    bool ended;
+    pthread_mutex_t mutex;   // guards the rest
+    struct glint_blob *part; // under way, NULL: none
+    size_t sent;             // of it
+    uint64_t seen;           // news of the source that it was last woken for
+    double idle_since;       // on glint_now()'s clock
+    bool idle;               // the connection is suspended
+    bool gone;               // the client left
 };
 
-// Starts `stream` as the answer to `r`: the object is zeroed but for fill, destroy and its own
-// members. Takes it always. Answers 503 when there are too many.
+// Starts `stream` as the answer to `r`: the object is zeroed but for source, read, destroy, ping,
+// perhaps a first part, and what its kind adds. Takes it always. Answers 503 when there are too many.
 void glint_stream_start(struct glint_request *r, struct glint_stream *stream, const char *type);
 
-// For `fill`: appends bytes; false without memory.
-bool glint_stream_add(struct glint_stream *stream, const void *bytes, size_t size);
+// Wakes idle streams of the source that were not woken for news number `news` yet, at most *budget,
+// which is lowered by their number. True when some are left.
+bool glint_streams_wake(glint_http *http, const void *source, uint64_t news, unsigned *budget);
 
-// Lets every idle stream look again. Any thread.
-void glint_streams_kick(glint_http *http);
+// Wakes every idle stream.
+void glint_streams_wake_all(glint_http *http);
+
+// Gives each stream that has been silent for long its ping.
+void glint_streams_ping(glint_http *http);
 
 #endif

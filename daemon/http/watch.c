@@ -11,7 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#define MIN_ROUND_SECONDS 0.005
+#define MIN_ROUND_SECONDS 0.002
 #define MAX_ROUND_SECONDS 0.250
 #define MAX_EVENTS 64
 #define WAKE 0 // no client has this number

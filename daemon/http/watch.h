@@ -15,7 +15,7 @@
 typedef struct glint_watch glint_watch;
 
 // `round` is called on the watcher's thread soon after each wake, never more often than every
-// 5 ms, and at least every 250 ms.
+// 2 ms, and at least every 250 ms.
 glint_status glint_watch_create(glint_watch **out, void (*round)(void *user), void *user,
                                 struct glint_error *err);
 void glint_watch_destroy(glint_watch **watch);
