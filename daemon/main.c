@@ -1,16 +1,11 @@
 // main.c - glintd: starts every part of the daemon in order, waits for a signal, ends them in turn.
 #include "base/folders.h"
-#include "base/listen.h"
 #include "base/log.h"
 #include "base/memory.h"
-#include "base/metrics.h"
-#include "base/thread.h"
-#include "device/device.h"
-#include "http/http.h"
-#include "jobs/jobs.h"
-#include "mirror.h"
+#include "base/notify.h"
+#include "house.h"
 #include "options.h"
-#include "scene/store.h"
+#include "serve.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -18,30 +13,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#define DRAIN_SECONDS 10.0                // for answers under way, once it is asked to end
 #define IMPORT_CPU_SECONDS 300.0          // of the child, for one scene
 #define SMALLEST_IMPORT ((size_t)1 << 30) // bytes of address space that any import may use
-
-struct house {
-    struct glint_options options;
-    char *state, *cache;
-    int listen_fd; // until the HTTP server has it
-    char url[GLINT_URL_BYTES];
-    glint_importer *importer;
-    glint_devices *devices;
-    glint_store *store;
-    glint_jobs *jobs;
-    glint_metrics *metrics;
-    glint_mirror *mirror;
-    glint_http *http;
-};
-
-static void ending_signals(sigset_t *set)
-{
-    sigemptyset(set);
-    sigaddset(set, SIGTERM);
-    sigaddset(set, SIGINT);
-}
 
 // Every connection, stream and scene needs descriptors; more than the soft limit costs nothing.
 static void raise_file_limit(void)
@@ -60,31 +33,51 @@ static struct glint_import_limits import_limits(void)
                                         IMPORT_CPU_SECONDS};
 }
 
+static glint_status take_socket(struct glint_house *h, struct glint_error *err)
+{
+    const struct glint_guard guard = {h->settings.token_file, h->settings.tls_cert};
+    const glint_status st = glint_notify_socket(&h->listen_fd, err);
+    if (st)
+        return st;
+    return h->listen_fd < 0 ? glint_listen(&h->listen_fd, h->url, h->settings.listen, guard, err)
+                            : glint_listen_adopt(h->listen_fd, h->url, guard, err);
+}
+
+static glint_status read_tokens(struct glint_house *h, struct glint_error *err)
+{
+    if (!h->settings.token_file)
+        return GLINT_OK;
+    const glint_status st = glint_tokens_create(&h->tokens, err);
+    return st ? st : glint_tokens_load(h->tokens, h->settings.token_file, err);
+}
+
 // What must come before any other thread: the importer's helper is forked from this one, before it
 // has a socket, and devices set the environment. Folders wait until the address is taken: a daemon
 // that is refused leaves none behind.
-static glint_status start_alone(struct house *h, struct glint_error *err)
+static glint_status start_alone(struct glint_house *h, struct glint_error *err)
 {
     glint_status st = glint_importer_create(&h->importer, err);
     if (!st)
-        st = glint_listen(&h->listen_fd, h->url, h->options.listen, err);
+        st = take_socket(h, err);
     if (!st)
-        st = glint_folder_state(&h->state, h->options.state, err);
+        st = glint_folder_state(&h->state, h->settings.state, err);
     if (!st)
         st = glint_folder_cache(&h->cache, h->state, err);
     if (!st)
-        st = glint_devices_create(&h->devices, h->options.threads, h->cache, err);
+        st = glint_devices_create(&h->devices, h->settings.threads, h->cache, err);
     return st;
 }
 
-static glint_status start_threads(struct house *h, struct glint_error *err)
+static glint_status start_threads(struct glint_house *h, struct glint_error *err)
 {
     const struct glint_import_limits limits = import_limits();
-    glint_status st = glint_store_create(&h->store, h->devices, h->importer, &limits, err);
+    glint_status st = glint_metrics_create(&h->metrics, err);
     if (!st)
-        st = glint_jobs_create(&h->jobs, h->devices, h->store, NULL, err);
+        st = glint_keeper_create(&h->keeper, h->state, h->metrics, err);
     if (!st)
-        st = glint_metrics_create(&h->metrics, err);
+        st = glint_store_create(&h->store, h->devices, h->importer, &limits, h->keeper, err);
+    if (!st)
+        st = glint_jobs_create(&h->jobs, h->devices, h->store, &h->settings.jobs, h->keeper, err);
     if (!st)
         st = glint_mirror_create(&h->mirror, h->metrics, h->jobs, h->store,
                                  glint_devices_workers(h->devices), err);
@@ -93,6 +86,8 @@ static glint_status start_threads(struct house *h, struct glint_error *err)
                                              .store = h->store,
                                              .devices = h->devices,
                                              .metrics = h->metrics,
+                                             .tokens = h->tokens,
+                                             .limits = h->settings.http,
                                              .version = PACKAGE_VERSION};
     if (!st)
         st = glint_http_create(&h->http, &params, err);
@@ -101,11 +96,12 @@ static glint_status start_threads(struct house *h, struct glint_error *err)
     return st;
 }
 
-static void finish(struct house *h)
+static void finish(struct glint_house *h)
 {
     glint_http_destroy(&h->http);
     glint_jobs_destroy(&h->jobs);
     glint_store_destroy(&h->store);
+    glint_keeper_destroy(&h->keeper);
     glint_mirror_destroy(&h->mirror);
     glint_metrics_destroy(&h->metrics);
     glint_devices_destroy(&h->devices);
@@ -116,71 +112,54 @@ static void finish(struct house *h)
     free(h->state);
 }
 
-// Somebody who asks twice does not want to wait.
-static void *exit_on_next_signal(void *unused)
-{
-    (void)unused;
-    sigset_t ending;
-    int signal;
-    ending_signals(&ending);
-    sigwait(&ending, &signal);
-    _exit(EXIT_FAILURE);
-}
-
-static void drain(struct house *h)
-{
-    pthread_t impatience;
-    if (!glint_thread_start(&impatience, "second signal", exit_on_next_signal, NULL, NULL))
-        pthread_detach(impatience);
-    if (!glint_http_drain(h->http, DRAIN_SECONDS))
-        glint_log(GLINT_LOG_WARNING, "main", NULL, NULL, "requests were cut off after %.0f s",
-                  DRAIN_SECONDS);
-}
-
-static void serve(struct house *h)
-{
-    printf("glintd: listening on %s\n", h->url);
-    fflush(stdout);
-    glint_log(GLINT_LOG_INFO, "main", NULL, NULL, "%u workers on %s, state in %s",
-              glint_devices_workers(h->devices), glint_devices_name(h->devices), h->state);
-    sigset_t ending;
-    int signal = 0;
-    ending_signals(&ending);
-    sigwait(&ending, &signal);
-    glint_log(GLINT_LOG_INFO, "main", NULL, NULL, "signal %d: ending", signal);
-    drain(h);
-}
-
-static int fail(struct glint_error *err)
+static int fail(struct glint_error *err, int unusable)
 {
     for (size_t i = 0; i < err->count; i++)
         glint_log(GLINT_LOG_ERROR, "main", NULL, NULL, "%s", err->fault[i].detail);
-    // The only input at this point is the command line.
-    const int code =
-        err->status == GLINT_E_RANGE ? GLINT_EXIT_USAGE : glint_status_exit(err->status);
+    const int code = err->status == GLINT_E_RANGE ? unusable : glint_status_exit(err->status);
+    glint_notify_status("%s", glint_error_text(err));
     glint_error_finish(err);
     return code;
 }
 
-int main(int argc, char **argv)
+static void prepare_process(void)
 {
-    struct house house = {.listen_fd = -1};
-    struct glint_error err = {0};
-    const int code = glint_options_parse(&house.options, argc, argv);
-    if (code >= 0)
-        return code;
-    glint_log_start(house.options.format);
-    sigset_t ending;
-    ending_signals(&ending);
-    pthread_sigmask(SIG_BLOCK, &ending, NULL); // until sigwait takes them
+    sigset_t heeded;
+    glint_serve_signals(&heeded);
+    pthread_sigmask(SIG_BLOCK, &heeded, NULL); // until sigwait takes them
     signal(SIGPIPE, SIG_IGN);
     raise_file_limit();
+}
 
-    glint_status st = start_alone(&house, &err);
+static int run(struct glint_house *h)
+{
+    struct glint_error err = {0};
+    if (glint_settings_read(&h->settings, &h->source, &err) || read_tokens(h, &err)) {
+        glint_log_start(GLINT_LOG_AUTO);
+        return fail(&err, GLINT_EXIT_SETTINGS);
+    }
+    glint_log_start(h->settings.log_format);
+    glint_log_filter(h->settings.log_level, h->settings.debug);
+    prepare_process();
+    glint_status st = start_alone(h, &err);
     if (!st)
-        st = start_threads(&house, &err);
+        st = start_threads(h, &err);
     if (!st)
-        serve(&house);
-    finish(&house);
-    return st ? fail(&err) : EXIT_SUCCESS;
+        glint_serve(h);
+    finish(h);
+    glint_serve_finish();
+    return st ? fail(&err, GLINT_EXIT_USAGE) : EXIT_SUCCESS;
+}
+
+int main(int argc, char **argv)
+{
+    struct glint_house house = {.listen_fd = -1};
+    int code = glint_options_parse(&house.source, argc, argv);
+    if (code >= 0)
+        return code;
+    code = run(&house);
+    glint_tokens_destroy(&house.tokens);
+    glint_settings_finish(&house.settings);
+    glint_options_finish(&house.source);
+    return code;
 }

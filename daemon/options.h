@@ -4,21 +4,14 @@
 #ifndef GLINT_OPTIONS_H
 #define GLINT_OPTIONS_H
 
-#include "base/log.h"
-
-#include <stdint.h>
+#include "settings.h"
 
 #define GLINT_EXIT_USAGE 64
+#define GLINT_EXIT_SETTINGS 78
 
-struct glint_options {
-    const char *listen; // ADDR:PORT
-    const char *state;  // folder, NULL: where the system keeps a user's or a service's
-    uint32_t threads;   // 0: one per core
-    enum glint_log_format format;
-};
-
-// Returns -1 to go on, or the exit status: after --help and --version, and for wrong usage, which
-// is told on standard error.
-int glint_options_parse(struct glint_options *out, int argc, char **argv);
+// Returns -1 to go on with *out, or the exit status: after --help, --version and --new-token, and
+// for wrong usage, which is told on standard error. Values have been checked. argv outlives *out.
+int glint_options_parse(struct glint_settings_source *out, int argc, char **argv);
+void glint_options_finish(struct glint_settings_source *source);
 
 #endif

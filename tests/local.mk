@@ -29,6 +29,7 @@ UNIT_TESTS = \
 	tests/render/test_transport \
 	tests/unit/test_arena \
 	tests/unit/test_assets \
+	tests/unit/test_config \
 	tests/unit/test_contract \
 	tests/unit/test_cryptomatte \
 	tests/unit/test_data_uri \
@@ -78,7 +79,9 @@ UNIT_TESTS = \
 	tests/unit/test_schema \
 	tests/unit/test_status \
 	tests/unit/test_stl \
-	tests/unit/test_store
+	tests/unit/test_store \
+	tests/unit/test_tokens \
+	tests/unit/test_turn
 
 # Hard cases: one program for each group of claims that must hold whatever the scene.
 STABILITY_TESTS = \

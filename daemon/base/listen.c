@@ -40,7 +40,22 @@ static bool is_loopback(const struct sockaddr *at)
            IN6_IS_ADDR_LOOPBACK(&((const struct sockaddr_in6 *)(const void *)at)->sin6_addr);
 }
 
-static glint_status say_url(int fd, char url[GLINT_URL_BYTES], struct glint_error *err)
+static glint_status check_guard(const struct sockaddr *at, const char *address,
+                                struct glint_guard guard, struct glint_error *err)
+{
+    if ((guard.tokens && guard.tls) || is_loopback(at))
+        return GLINT_OK;
+    return glint_fail(err, GLINT_E_RANGE, "",
+                      "%s is not a loopback address: another is served with tokens and TLS only, "
+                      "and there %s",
+                      address,
+                      guard.tokens ? "is no certificate"
+                      : guard.tls  ? "are no tokens"
+                                   : "is neither");
+}
+
+static glint_status say_url(int fd, char url[GLINT_URL_BYTES], struct glint_guard guard,
+                            struct glint_error *err)
 {
     struct sockaddr_storage at;
     socklen_t length = sizeof at;
@@ -50,7 +65,8 @@ static glint_status say_url(int fd, char url[GLINT_URL_BYTES], struct glint_erro
                     NI_NUMERICHOST | NI_NUMERICSERV))
         return glint_fail(err, GLINT_E_UNAVAILABLE, "", "the socket's address is not to be had");
     const bool six = at.ss_family == AF_INET6;
-    snprintf(url, GLINT_URL_BYTES, "http://%s%s%s:%s", six ? "[" : "", host, six ? "]" : "", port);
+    snprintf(url, GLINT_URL_BYTES, "http%s://%s%s%s:%s", guard.tls ? "s" : "", six ? "[" : "", host,
+             six ? "]" : "", port);
     return GLINT_OK;
 }
 
@@ -71,7 +87,7 @@ static glint_status open_socket(int *fd, const struct addrinfo *at, const char *
 }
 
 glint_status glint_listen(int *fd, char url[GLINT_URL_BYTES], const char *address,
-                          struct glint_error *err)
+                          struct glint_guard guard, struct glint_error *err)
 {
     *fd = -1;
     char host[256], port[8];
@@ -82,18 +98,35 @@ glint_status glint_listen(int *fd, char url[GLINT_URL_BYTES], const char *addres
     const int failure = getaddrinfo(host, port, &hints, &at);
     if (failure)
         return glint_fail(err, GLINT_E_RANGE, "", "%s: %s", address, gai_strerror(failure));
-    glint_status st =
-        is_loopback(at->ai_addr)
-            ? open_socket(fd, at, address, err)
-            : glint_fail(err, GLINT_E_RANGE, "",
-                         "%s is not a loopback address: without tokens and TLS no other is served",
-                         address);
+    glint_status st = check_guard(at->ai_addr, address, guard, err);
+    if (!st)
+        st = open_socket(fd, at, address, err);
     freeaddrinfo(at);
     if (!st)
-        st = say_url(*fd, url, err);
+        st = say_url(*fd, url, guard, err);
     if (st && *fd >= 0) {
         close(*fd);
         *fd = -1;
     }
     return st;
+}
+
+static int option(int fd, int name)
+{
+    int value = -1;
+    socklen_t length = sizeof value;
+    return getsockopt(fd, SOL_SOCKET, name, &value, &length) ? -1 : value;
+}
+
+glint_status glint_listen_adopt(int fd, char url[GLINT_URL_BYTES], struct glint_guard guard,
+                                struct glint_error *err)
+{
+    struct sockaddr_storage at = {0};
+    socklen_t length = sizeof at;
+    const int family = option(fd, SO_DOMAIN);
+    if (option(fd, SO_TYPE) != SOCK_STREAM || (family != AF_INET && family != AF_INET6) ||
+        option(fd, SO_ACCEPTCONN) != 1 || getsockname(fd, (struct sockaddr *)&at, &length))
+        return glint_fail(err, GLINT_E_RANGE, "", "descriptor %d is no listening TCP socket", fd);
+    const glint_status st = say_url(fd, url, guard, err);
+    return st ? st : check_guard((struct sockaddr *)&at, url, guard, err);
 }

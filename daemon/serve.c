@@ -1,0 +1,128 @@
+#include "serve.h"
+
+#include "base/log.h"
+#include "base/notify.h"
+#include "base/thread.h"
+#include "ticker.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#define PATIENCE_SECONDS 20.0 // asked for at a time, while it ends
+#define PATIENCE_STEP 5.0     // between two times
+#define MOST_PATIENCE 900.0   // altogether: what takes longer hangs
+
+void glint_serve_signals(sigset_t *set)
+{
+    static const int heeded[] = {SIGTERM, SIGINT, SIGHUP, SIGUSR1};
+    sigemptyset(set);
+    for (size_t i = 0; i < sizeof heeded / sizeof *heeded; i++)
+        sigaddset(set, heeded[i]);
+}
+
+static void tell_fixed(const char *name)
+{
+    glint_log(GLINT_LOG_WARNING, "main", NULL, NULL,
+              "%s cannot change while the daemon runs: restart it", name);
+}
+
+static void tell_faults(struct glint_error *err)
+{
+    for (size_t i = 0; i < err->count; i++)
+        glint_log(GLINT_LOG_ERROR, "main", NULL, NULL, "%s", err->fault[i].detail);
+    glint_notify_ready("as before, as something is wrong: %s", glint_error_text(err));
+    glint_error_finish(err);
+}
+
+// What may change while the daemon runs. Takes *settings.
+static void apply(struct glint_house *h, struct glint_settings *settings)
+{
+    glint_settings_compare(&h->settings, settings, tell_fixed);
+    glint_settings_finish(&h->settings);
+    h->settings = *settings;
+    glint_log_filter(h->settings.log_level, h->settings.debug);
+    glint_jobs_set_limits(h->jobs, &h->settings.jobs);
+}
+
+// Nothing changes where anything is wrong.
+static void reload(struct glint_house *h)
+{
+    struct glint_error err = {0};
+    struct glint_settings settings;
+    glint_notify_reloading();
+    glint_status st = glint_settings_read(&settings, &h->source, &err);
+    if (!st && h->tokens && settings.token_file)
+        st = glint_tokens_load(h->tokens, settings.token_file, &err);
+    if (st) {
+        tell_faults(&err);
+        return;
+    }
+    apply(h, &settings);
+    glint_log(GLINT_LOG_INFO, "main", NULL, NULL, "settings were read again");
+    glint_notify_ready("serving %s", h->url);
+}
+
+// Somebody who asks twice does not want to wait.
+static void *exit_on_next_signal(void *unused)
+{
+    (void)unused;
+    sigset_t ending;
+    int signal;
+    sigemptyset(&ending);
+    sigaddset(&ending, SIGTERM);
+    sigaddset(&ending, SIGINT);
+    sigwait(&ending, &signal);
+    _exit(EXIT_FAILURE);
+}
+
+static glint_ticker *patience;
+
+static void ask_for_patience(void *unused)
+{
+    (void)unused;
+    static double asked; // by this thread alone
+    if ((asked += PATIENCE_STEP) < MOST_PATIENCE)
+        glint_notify_more_time(PATIENCE_SECONDS);
+}
+
+static void drain(struct glint_house *h)
+{
+    pthread_t impatience;
+    glint_notify_stopping();
+    if (!glint_thread_start(&impatience, "second signal", exit_on_next_signal, NULL, NULL))
+        pthread_detach(impatience);
+    glint_ticker_create(&patience, "patience", PATIENCE_STEP, ask_for_patience, NULL, NULL);
+    if (!glint_http_drain(h->http, h->settings.drain_seconds))
+        glint_log(GLINT_LOG_WARNING, "main", NULL, NULL, "requests were cut off after %.0f s",
+                  h->settings.drain_seconds);
+    glint_notify_status("ending: jobs are brought to the disk");
+}
+
+void glint_serve_finish(void)
+{
+    glint_ticker_destroy(&patience);
+}
+
+static void start(const struct glint_house *h)
+{
+    printf("glintd: listening on %s\n", h->url);
+    fflush(stdout);
+    glint_log(GLINT_LOG_INFO, "main", NULL, NULL, "%u workers on %s, state in %s",
+              glint_devices_workers(h->devices), glint_devices_name(h->devices), h->state);
+    glint_notify_ready("serving %s", h->url);
+}
+
+void glint_serve(struct glint_house *h)
+{
+    sigset_t heeded;
+    int signal = 0;
+    glint_serve_signals(&heeded);
+    start(h);
+    while (sigwait(&heeded, &signal) || (signal != SIGTERM && signal != SIGINT))
+        if (signal == SIGHUP)
+            reload(h);
+    glint_log(GLINT_LOG_INFO, "main", NULL, NULL, "signal %d: ending", signal);
+    drain(h);
+}
