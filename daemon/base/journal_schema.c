@@ -26,6 +26,7 @@ const char glint_journal_schema[] =
     "  scene TEXT NOT NULL,\n"
     "  revision TEXT NOT NULL,\n"
     "  client TEXT NOT NULL,\n"
+    "  request TEXT,                 -- id of the request that submitted it\n"
     "  key TEXT,                     -- Idempotency-Key\n"
     "  created TEXT NOT NULL,\n"
     "  accepted REAL NOT NULL,       -- seconds since 1970\n"

@@ -10,6 +10,7 @@
 
 struct glint_jobs {
     glint_store *store;
+    glint_keeper *keeper; // NULL: nothing is kept
     struct glint_job_table table;
     glint_scheduler *scheduler;
 };
@@ -28,13 +29,15 @@ static void scene_changed(void *user, const char *name)
 }
 
 glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_store *store,
-                               const struct glint_jobs_limits *limits, struct glint_error *err)
+                               const struct glint_jobs_limits *limits, glint_keeper *keeper,
+                               struct glint_error *err)
 {
     *out = NULL;
     glint_jobs *jobs = calloc(1, sizeof *jobs);
     if (!jobs)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the job table");
     jobs->store = store;
+    jobs->keeper = keeper;
     glint_job_table_init(&jobs->table);
     const glint_status st =
         glint_scheduler_create(&jobs->scheduler, devices, store, &jobs->table, limits, err);

@@ -43,9 +43,11 @@ struct glint_jobs_limits {
 };
 
 // The oldest ended jobs are forgotten when a new one needs the memory of theirs; a job that does
-// not fit beside those that render waits. limits: NULL: the defaults.
+// not fit beside those that render waits. limits: NULL: the defaults. keeper: where jobs and films
+// are kept across restarts; NULL: nowhere.
 glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_store *store,
-                               const struct glint_jobs_limits *limits, struct glint_error *err);
+                               const struct glint_jobs_limits *limits, glint_keeper *keeper,
+                               struct glint_error *err);
 void glint_jobs_set_limits(glint_jobs *jobs, const struct glint_jobs_limits *limits);
 // Stops after the slices out now; every job that has not ended becomes cancelled.
 void glint_jobs_destroy(glint_jobs **jobs);

@@ -20,6 +20,7 @@ struct named {
 struct glint_store {
     glint_devices *devices;
     glint_importer *importer;
+    glint_keeper *keeper; // NULL: nothing is kept
     struct glint_import_limits limits;
     glint_assets *assets;
     _Atomic uint64_t resident_bytes, imports, import_failures;
@@ -32,7 +33,8 @@ struct glint_store {
 };
 
 glint_status glint_store_create(glint_store **out, glint_devices *devices, glint_importer *importer,
-                                const struct glint_import_limits *limits, struct glint_error *err)
+                                const struct glint_import_limits *limits, glint_keeper *keeper,
+                                struct glint_error *err)
 {
     *out = calloc(1, sizeof **out);
     if (!*out)
@@ -45,6 +47,7 @@ glint_status glint_store_create(glint_store **out, glint_devices *devices, glint
     }
     (*out)->devices = devices;
     (*out)->importer = importer;
+    (*out)->keeper = keeper;
     (*out)->limits = *limits;
     pthread_mutex_init(&(*out)->mutex, NULL);
     for (unsigned i = 0; i < EDITORS; i++)

@@ -7,6 +7,7 @@
 #ifndef GLINT_SCENE_STORE_H
 #define GLINT_SCENE_STORE_H
 
+#include "base/keeper.h"
 #include "scene/import.h"
 #include "scene/posed.h"
 
@@ -15,8 +16,10 @@
 typedef struct glint_store glint_store;
 typedef struct glint_revision glint_revision; // counted: resident scene + native text + resource
 
+// keeper: where scenes and assets are kept across restarts; NULL: nowhere.
 glint_status glint_store_create(glint_store **out, glint_devices *devices, glint_importer *importer,
-                                const struct glint_import_limits *limits, struct glint_error *err);
+                                const struct glint_import_limits *limits, glint_keeper *keeper,
+                                struct glint_error *err);
 void glint_store_destroy(glint_store **store); // no revision may be in use
 
 // What its scenes name by hash; borrowed. What clients put there may be half of what an import may

@@ -46,7 +46,8 @@ void fixture_start_within(struct fixture *f, uint32_t workers, uint64_t film_byt
     bool created;
     glint_devices *devices = fake_devices(workers);
     fake_reset();
-    assert_int_equal(glint_store_create(&f->store, devices, NULL, &limits, NULL), GLINT_OK);
+    f->client = NULL;
+    assert_int_equal(glint_store_create(&f->store, devices, NULL, &limits, NULL, NULL), GLINT_OK);
     assert_int_equal(glint_store_put(f->store, "s",
                                      &(struct glint_import_source){.type = GLINT_SCENE_NATIVE,
                                                                    .bytes = (const uint8_t *)scene,
@@ -55,7 +56,7 @@ void fixture_start_within(struct fixture *f, uint32_t workers, uint64_t film_byt
                      GLINT_OK);
     glint_revision_release(&revision);
     const struct glint_jobs_limits within = {.memory_bytes = film_bytes};
-    assert_int_equal(glint_jobs_create(&f->jobs, devices, f->store, &within, NULL), GLINT_OK);
+    assert_int_equal(glint_jobs_create(&f->jobs, devices, f->store, &within, NULL, NULL), GLINT_OK);
     glint_jobs_on_change(f->jobs, note, NULL);
 }
 
@@ -89,7 +90,8 @@ glint_status fixture_try(struct fixture *f, const char *text, const char *key,
     assert_int_equal(glint_job_parse(&job, json, strlen(json), err), GLINT_OK);
     free(json);
     const glint_status st =
-        glint_jobs_submit(f->jobs, job, &(struct glint_submission){.key = key}, id, repeated, err);
+        glint_jobs_submit(f->jobs, job, &(struct glint_submission){.key = key, .client = f->client},
+                          id, repeated, err);
     if (st)
         glint_job_destroy(&job);
     return st;

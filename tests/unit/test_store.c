@@ -23,7 +23,7 @@ static glint_store *make(void)
 {
     const struct glint_import_limits limits = {1 << 20, 1};
     glint_store *store;
-    assert_int_equal(glint_store_create(&store, NULL, NULL, &limits, NULL), GLINT_OK);
+    assert_int_equal(glint_store_create(&store, NULL, NULL, &limits, NULL, NULL), GLINT_OK);
     return store;
 }
 
