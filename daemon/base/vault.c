@@ -142,7 +142,7 @@ static bool write_all(int fd, const char *bytes, size_t size)
 }
 
 // The descriptor of what was written beside, -1 with errno.
-static int write_beside(const glint_vault *v, const struct glint_blob *blob)
+static int write_beside(const glint_vault *v, const struct glint_content *blob)
 {
     char path[PATH_BYTES];
     path_of(v, blob->name, ".new", path);
@@ -166,7 +166,7 @@ static bool sync_and_close(int fd)
     return synced && closed;
 }
 
-static bool rename_one(glint_vault *v, const struct glint_blob *blob)
+static bool rename_one(glint_vault *v, const struct glint_content *blob)
 {
     char from[PATH_BYTES], to[PATH_BYTES];
     path_of(v, blob->name, ".new", from);
@@ -177,7 +177,8 @@ static bool rename_one(glint_vault *v, const struct glint_blob *blob)
     return true;
 }
 
-static bool sync_folders(const glint_vault *v, const struct glint_blob *const *blob, size_t count)
+static bool sync_folders(const glint_vault *v, const struct glint_content *const *blob,
+                         size_t count)
 {
     bool touched[256] = {0}, synced = true;
     char path[PATH_BYTES];
@@ -193,7 +194,7 @@ static bool sync_folders(const glint_vault *v, const struct glint_blob *const *b
     return synced;
 }
 
-static void drop_beside(const glint_vault *v, const struct glint_blob *const *blob, size_t count)
+static void drop_beside(const glint_vault *v, const struct glint_content *const *blob, size_t count)
 {
     char path[PATH_BYTES];
     for (size_t i = 0; i < count; i++) {
@@ -204,7 +205,7 @@ static void drop_beside(const glint_vault *v, const struct glint_blob *const *bl
 
 #define BATCH 64u // files that are open at once
 
-static bool put_batch(glint_vault *v, const struct glint_blob *const *blob, size_t count)
+static bool put_batch(glint_vault *v, const struct glint_content *const *blob, size_t count)
 {
     int fd[BATCH];
     size_t open = 0;
@@ -231,13 +232,13 @@ static bool put_batch(glint_vault *v, const struct glint_blob *const *blob, size
 
 static int by_name(const void *a, const void *b)
 {
-    const struct glint_blob *const *x = a, *const *y = b;
+    const struct glint_content *const *x = a, *const *y = b;
     return strcmp((*x)->name, (*y)->name);
 }
 
 // Those that are not there yet, each once; returns how many.
-static size_t missing(const glint_vault *v, const struct glint_blob *blob, size_t count,
-                      const struct glint_blob **out)
+static size_t missing(const glint_vault *v, const struct glint_content *blob, size_t count,
+                      const struct glint_content **out)
 {
     size_t kept = 0, wanted = 0;
     uint64_t size;
@@ -252,12 +253,12 @@ static size_t missing(const glint_vault *v, const struct glint_blob *blob, size_
     return kept;
 }
 
-glint_status glint_vault_put(glint_vault *v, const struct glint_blob *blob, size_t count,
+glint_status glint_vault_put(glint_vault *v, const struct glint_content *blob, size_t count,
                              struct glint_error *err)
 {
     if (!count)
         return GLINT_OK;
-    const struct glint_blob **wanted = malloc(count * sizeof *wanted);
+    const struct glint_content **wanted = malloc(count * sizeof *wanted);
     if (!wanted)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory to keep %zu assets", count);
     glint_status st = GLINT_OK;

@@ -17,7 +17,7 @@
 
 typedef struct glint_vault glint_vault;
 
-struct glint_blob {
+struct glint_content {
     char name[65]; // the SHA-256 of the bytes, which is not checked again
     const void *bytes;
     size_t size;
@@ -30,7 +30,7 @@ void glint_vault_destroy(glint_vault **vault);
 // When it returns GLINT_OK all blobs are on the disk. Those that are there already cost nothing.
 // After a failure nothing half written is left.
 //   GLINT_E_CAPACITY  they do not fit, with figures
-glint_status glint_vault_put(glint_vault *vault, const struct glint_blob *blob, size_t count,
+glint_status glint_vault_put(glint_vault *vault, const struct glint_content *blob, size_t count,
                              struct glint_error *err);
 
 // Maps a file that munmap() frees; it lives as long as the mapping, whatever becomes of its name.
