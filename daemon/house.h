@@ -23,6 +23,7 @@ struct glint_house {
     char *state, *cache; // folders, owned
     glint_importer *importer;
     glint_tokens *tokens; // NULL: none are needed
+    glint_tls *tls;       // NULL: plain HTTP
     glint_devices *devices;
     glint_metrics *metrics;
     glint_keeper *keeper;

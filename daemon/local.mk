@@ -39,6 +39,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/base/vault.c \
 	daemon/base/vault.h \
 	daemon/device/buffer.c \
+	daemon/device/compiler.c \
+	daemon/device/compiler.h \
 	daemon/device/device.c \
 	daemon/device/device.h \
 	daemon/device/internal.h \
@@ -69,6 +71,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/http.c \
 	daemon/http/http.h \
 	daemon/http/jobs.c \
+	daemon/http/limits.c \
 	daemon/http/mattes.c \
 	daemon/http/media.c \
 	daemon/http/media.h \
@@ -94,6 +97,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/tiles.c \
 	daemon/http/topic.c \
 	daemon/http/topic.h \
+	daemon/http/tls.c \
+	daemon/http/tls.h \
 	daemon/http/trace.c \
 	daemon/http/trace.h \
 	daemon/http/viewer.c \

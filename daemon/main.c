@@ -51,6 +51,23 @@ static glint_status read_tokens(struct glint_house *h, struct glint_error *err)
     return st ? st : glint_tokens_load(h->tokens, h->settings.token_file, err);
 }
 
+static glint_status read_certificate(struct glint_house *h, struct glint_error *err)
+{
+    if (!h->settings.tls_cert)
+        return GLINT_OK;
+    return glint_tls_create(&h->tls, h->settings.tls_cert, h->settings.tls_key, err);
+}
+
+static glint_status read_files(struct glint_house *h, struct glint_error *err)
+{
+    glint_status st = glint_settings_read(&h->settings, &h->source, err);
+    if (!st)
+        st = read_tokens(h, err);
+    if (!st)
+        st = read_certificate(h, err);
+    return st;
+}
+
 // What must come before any other thread: the importer's helper is forked from this one, before it
 // has a socket, and devices set the environment. Folders wait until the address is taken: a daemon
 // that is refused leaves none behind.
@@ -87,6 +104,7 @@ static glint_status start_threads(struct glint_house *h, struct glint_error *err
                                              .devices = h->devices,
                                              .metrics = h->metrics,
                                              .tokens = h->tokens,
+                                             .tls = h->tls,
                                              .limits = h->settings.http,
                                              .version = PACKAGE_VERSION};
     if (!st)
@@ -134,7 +152,7 @@ static void prepare_process(void)
 static int run(struct glint_house *h)
 {
     struct glint_error err = {0};
-    if (glint_settings_read(&h->settings, &h->source, &err) || read_tokens(h, &err)) {
+    if (read_files(h, &err)) {
         glint_log_start(GLINT_LOG_AUTO);
         return fail(&err, GLINT_EXIT_SETTINGS);
     }
@@ -158,6 +176,7 @@ int main(int argc, char **argv)
     if (code >= 0)
         return code;
     code = run(&house);
+    glint_tls_destroy(&house.tls);
     glint_tokens_destroy(&house.tokens);
     glint_settings_finish(&house.settings);
     glint_options_finish(&house.source);

@@ -44,6 +44,7 @@ static void apply(struct glint_house *h, struct glint_settings *settings)
     h->settings = *settings;
     glint_log_filter(h->settings.log_level, h->settings.debug);
     glint_jobs_set_limits(h->jobs, &h->settings.jobs);
+    glint_http_set_limits(h->http, &h->settings.http);
 }
 
 // Nothing changes where anything is wrong.
@@ -55,7 +56,10 @@ static void reload(struct glint_house *h)
     glint_status st = glint_settings_read(&settings, &h->source, &err);
     if (!st && h->tokens && settings.token_file)
         st = glint_tokens_load(h->tokens, settings.token_file, &err);
+    if (!st && h->tls && settings.tls_cert)
+        st = glint_tls_load(h->tls, settings.tls_cert, settings.tls_key, &err);
     if (st) {
+        glint_settings_finish(&settings);
         tell_faults(&err);
         return;
     }

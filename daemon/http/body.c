@@ -26,8 +26,8 @@ size_t glint_body_limit(const struct glint_request *r)
 {
     if (!r->route || r->route->body == GLINT_BODY_NONE)
         return 0;
-    const struct glint_http_limits *l = &r->http->limits;
-    return holds_scene(r) ? l->scene_bytes : l->job_bytes;
+    const struct glint_http_limits l = glint_http_limits(r->http);
+    return holds_scene(r) ? l.scene_bytes : l.job_bytes;
 }
 
 static const char *const job_types[] = {"application/json", NULL};
@@ -90,7 +90,8 @@ static bool reserve(struct glint_request *r, size_t bytes)
 {
     glint_http *h = r->http;
     pthread_mutex_lock(&h->mutex);
-    const bool fits = bytes <= h->limits.spool_bytes - h->spooled;
+    const size_t most = h->limits.spool_bytes;
+    const bool fits = h->spooled <= most && bytes <= most - h->spooled;
     if (fits) {
         h->spooled += bytes;
         r->body.reserved += bytes;

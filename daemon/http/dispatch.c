@@ -137,7 +137,7 @@ static enum MHD_Result start(glint_http *h, struct MHD_Connection *connection, c
     pthread_mutex_lock(&h->mutex);
     h->requests++;
     pthread_mutex_unlock(&h->mutex);
-    if (glint_watch_clients(h->watch) > h->limits.connections) {
+    if (glint_watch_clients(h->watch) > glint_http_limits(h).connections) {
         refuse_busy(r, "too many connections");
         r->close = true;
     }
@@ -189,7 +189,7 @@ void glint_dispatch_completed(void *user, struct MHD_Connection *connection, voi
               glint_now() - r->started,
               code == MHD_REQUEST_TERMINATED_COMPLETED_OK ? "" : ", connection lost",
               r->trace + GLINT_TRACE_ID);
-    glint_watch_deadline(h->watch, r->client, h->limits.idle_seconds);
+    glint_watch_deadline(h->watch, r->client, glint_http_limits(h).idle_seconds);
     glint_request_destroy(&r);
     pthread_mutex_lock(&h->mutex);
     h->requests--;

@@ -20,6 +20,9 @@
 #include <unistd.h>
 
 #define LIBRARY_THREADS 2
+// The library's own limit only keeps it alive: what is over ours gets an answer. It holds per
+// thread.
+#define MOST_CONNECTIONS (LIBRARY_THREADS * 131072u)
 #define FRAME_BYTES ((size_t)256 << 20)
 #define PING_ROUND_SECONDS 1.0
 #define CONNECTION_BYTES ((size_t)65536) // a request's header has to fit
@@ -98,8 +101,10 @@ static void on_connection(void *user, struct MHD_Connection *connection, void **
     }
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-    *client =
-        (void *)(uintptr_t)glint_watch_add(h->watch, info->connect_fd, h->limits.header_seconds);
+    const struct glint_http_limits limits = glint_http_limits(h);
+    MHD_set_connection_option(connection, MHD_CONNECTION_OPTION_TIMEOUT,
+                              (unsigned)(limits.idle_seconds + 0.999));
+    *client = (void *)(uintptr_t)glint_watch_add(h->watch, info->connect_fd, limits.header_seconds);
 }
 
 // The library decodes paths and queries for callers that cannot tell %2F from a slash; we can.
@@ -131,24 +136,6 @@ static bool is_loopback(int fd)
            ntohl(((struct sockaddr_in *)&any)->sin_addr.s_addr) >> 24 == 127;
 }
 
-static void set_limits(struct glint_http_limits *l)
-{
-    if (!l->job_bytes)
-        l->job_bytes = (size_t)1 << 20;
-    if (!l->scene_bytes)
-        l->scene_bytes = (size_t)2 << 30;
-    if (!l->spool_bytes)
-        l->spool_bytes = 2 * l->scene_bytes;
-    if (!l->connections)
-        l->connections = 2048;
-    if (!l->streams)
-        l->streams = 1024;
-    if (!(l->header_seconds > 0))
-        l->header_seconds = 10;
-    if (!(l->idle_seconds > 0))
-        l->idle_seconds = 60;
-}
-
 static glint_status start_lanes(glint_http *h, struct glint_error *err)
 {
     static const struct {
@@ -156,14 +143,16 @@ static glint_status start_lanes(glint_http *h, struct glint_error *err)
         const char *name;
         unsigned threads, capacity;
     } table[] = {
-        {GLINT_LANE_CALL, "http-call", 2, 256},   {GLINT_LANE_LOAD, "http-load", 2, 16},
-        {GLINT_LANE_EDIT, "http-edit", 2, 64},    {GLINT_LANE_FRAME, "http-frame", 2, 64},
-        {GLINT_LANE_STREAM, "http-stream", 2, 0}, // every stream has at most one task
+        {GLINT_LANE_CALL, "http-call", 2, 256},
+        {GLINT_LANE_LOAD, "http-load", 2, 16},
+        {GLINT_LANE_EDIT, "http-edit", 2, 64},
+        {GLINT_LANE_FRAME, "http-frame", 2, 64},
+        {GLINT_LANE_STREAM, "http-stream", 2, GLINT_MAX_STREAMS}, // each has at most one task
     };
     glint_status st = GLINT_OK;
     for (size_t i = 0; !st && i < sizeof table / sizeof *table; i++)
         st = glint_offload_create(&h->lane[table[i].lane], table[i].name, table[i].threads,
-                                  table[i].capacity ? table[i].capacity : h->limits.streams, err);
+                                  table[i].capacity, err);
     return st;
 }
 
@@ -193,20 +182,23 @@ static void start_metrics(glint_http *h)
     glint_metrics_on_read(m, refresh_metrics, h);
 }
 
-static glint_status start_library(glint_http *h, int fd, struct glint_error *err)
+static glint_status start_library(glint_http *h, int fd, bool secure, struct glint_error *err)
 {
-    const unsigned flags =
-        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
-    // Its own limit only keeps it alive: what is over ours gets an answer. It holds per thread.
-    const unsigned most = LIBRARY_THREADS * (2 * h->limits.connections + 16);
+    const unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC |
+                           MHD_USE_ERROR_LOG | (secure ? MHD_USE_TLS : 0);
+    const struct MHD_OptionItem tls[] = {
+        {MHD_OPTION_HTTPS_CERT_CALLBACK, 0, glint_tls_callback()},
+        {MHD_OPTION_HTTPS_PRIORITIES, 0, (void *)glint_tls_priorities()},
+        {MHD_OPTION_END, 0, NULL}};
+    const struct MHD_OptionItem *const extra = secure ? tls : tls + 2;
     fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
     h->mhd = MHD_start_daemon(
         flags, 0, NULL, NULL, glint_dispatch_request, h, MHD_OPTION_EXTERNAL_LOGGER, log_library,
         NULL, MHD_OPTION_LISTEN_SOCKET, fd, MHD_OPTION_THREAD_POOL_SIZE, (unsigned)LIBRARY_THREADS,
-        MHD_OPTION_CONNECTION_LIMIT, most, MHD_OPTION_CONNECTION_MEMORY_LIMIT, CONNECTION_BYTES,
-        MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)(h->limits.idle_seconds + 0.999),
-        MHD_OPTION_NOTIFY_COMPLETED, glint_dispatch_completed, h, MHD_OPTION_NOTIFY_CONNECTION,
-        on_connection, h, MHD_OPTION_UNESCAPE_CALLBACK, leave_escaped, h, MHD_OPTION_END);
+        MHD_OPTION_CONNECTION_LIMIT, MOST_CONNECTIONS, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        CONNECTION_BYTES, MHD_OPTION_NOTIFY_COMPLETED, glint_dispatch_completed, h,
+        MHD_OPTION_NOTIFY_CONNECTION, on_connection, h, MHD_OPTION_UNESCAPE_CALLBACK, leave_escaped,
+        h, MHD_OPTION_ARRAY, extra, MHD_OPTION_END);
     return h->mhd ? GLINT_OK : glint_fail(err, GLINT_E_IO, "", "the HTTP library does not start");
 }
 
@@ -224,11 +216,10 @@ glint_status glint_http_create(glint_http **out, const struct glint_http_params 
     h->metrics = params->metrics;
     h->tokens = params->tokens;
     h->version = params->version;
-    h->limits = params->limits;
-    set_limits(&h->limits);
     h->loopback = is_loopback(params->listen_fd);
     pthread_mutex_init(&h->lists, NULL);
     pthread_mutex_init(&h->mutex, NULL);
+    glint_http_set_limits(h, &params->limits);
     pthread_condattr_t monotonic;
     pthread_condattr_init(&monotonic);
     pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
@@ -246,7 +237,7 @@ glint_status glint_http_create(glint_http **out, const struct glint_http_params 
         st = glint_watch_create(&h->watch, round_of_watch, h, err);
     if (!st) {
         start_metrics(h);
-        st = start_library(h, params->listen_fd, err);
+        st = start_library(h, params->listen_fd, params->tls, err);
     }
     if (st) {
         glint_http_destroy(&h);

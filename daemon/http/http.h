@@ -14,17 +14,21 @@
 #include "base/metrics.h"
 #include "base/tokens.h"
 #include "device/device.h"
+#include "http/tls.h"
 #include "jobs/jobs.h"
 #include "scene/store.h"
 
 typedef struct glint_http glint_http;
+
+#define GLINT_MAX_STREAMS 65536u
 
 struct glint_http_limits {
     size_t job_bytes;      // a job's JSON, 0: 1 MiB
     size_t scene_bytes;    // a scene's body, 0: 2 GiB
     size_t spool_bytes;    // all bodies under way together, 0: twice scene_bytes
     uint32_t connections;  // 0: 2048; more are answered 503
-    uint32_t streams;      // tiles and events together, 0: 1024; more are answered 503
+    uint32_t streams;      // tiles and events together, 0: 1024, at most GLINT_MAX_STREAMS; more
+                           // are answered 503
     double header_seconds; // for a request's header to be complete, 0: 10
     double idle_seconds;   // without a byte either way, 0: 60
 };
@@ -36,6 +40,7 @@ struct glint_http_params {
     glint_devices *devices;
     glint_metrics *metrics; // what GET /metrics writes; requests are counted into it
     glint_tokens *tokens;   // what clients must bear, NULL: nothing
+    glint_tls *tls;         // NULL: plain HTTP
     const char *version;    // of the program, for GET /v1; outlives the server
     struct glint_http_limits limits;
 };
@@ -44,6 +49,9 @@ struct glint_http_params {
 //   GLINT_E_IO     threads or descriptors are not to be had
 glint_status glint_http_create(glint_http **out, const struct glint_http_params *params,
                                struct glint_error *err);
+
+// From the next connection and request on. Any thread.
+void glint_http_set_limits(glint_http *http, const struct glint_http_limits *limits);
 
 // Stops accepting, turns /readyz to 503, ends streams and waiting requests, and gives the requests
 // under way up to `seconds` to finish. Returns true when none is left.

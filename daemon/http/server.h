@@ -35,7 +35,6 @@ struct glint_http {
     glint_devices *devices;
     glint_tokens *tokens; // NULL: whoever reaches the server may everything
     const char *version;
-    struct glint_http_limits limits;
     bool loopback; // only this machine can connect
 
     glint_watch *watch;
@@ -56,6 +55,7 @@ struct glint_http {
 
     pthread_mutex_t mutex; // guards these; nothing is called under it
     pthread_cond_t changed;
+    struct glint_http_limits limits;
     uint32_t requests;  // from header to end
     uint32_t suspended; // connections
     size_t spooled;     // bytes of bodies under way
@@ -73,6 +73,7 @@ bool glint_http_enter(glint_http *http);
 void glint_http_leave(glint_http *http);
 
 bool glint_http_draining(glint_http *http);
+struct glint_http_limits glint_http_limits(glint_http *http); // as they are now
 
 // The job has ended, or is not there.
 bool glint_http_job_ended(glint_http *http, const char *job);

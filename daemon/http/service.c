@@ -129,7 +129,8 @@ static void add_tonemaps(cJSON *object)
 
 void glint_http_service_describe(struct glint_request *r)
 {
-    const glint_http *h = r->http;
+    glint_http *h = r->http;
+    const struct glint_http_limits l = glint_http_limits(h);
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "name", "glint");
     cJSON_AddStringToObject(o, "version", h->version ? h->version : "");
@@ -144,10 +145,10 @@ void glint_http_service_describe(struct glint_request *r)
     add_dials(o);
     add_presets(o);
     cJSON *limits = cJSON_AddObjectToObject(o, "limits");
-    cJSON_AddNumberToObject(limits, "job_bytes", (double)h->limits.job_bytes);
-    cJSON_AddNumberToObject(limits, "scene_bytes", (double)h->limits.scene_bytes);
-    cJSON_AddNumberToObject(limits, "connections", h->limits.connections);
-    cJSON_AddNumberToObject(limits, "streams", h->limits.streams);
+    cJSON_AddNumberToObject(limits, "job_bytes", (double)l.job_bytes);
+    cJSON_AddNumberToObject(limits, "scene_bytes", (double)l.scene_bytes);
+    cJSON_AddNumberToObject(limits, "connections", l.connections);
+    cJSON_AddNumberToObject(limits, "streams", l.streams);
     cJSON_AddNumberToObject(limits, "side_pixels", GLINT_MAX_SIDE);
     cJSON_AddNumberToObject(limits, "samples", GLINT_MAX_SAMPLES);
     glint_answer_json(r, MHD_HTTP_OK, o);

@@ -132,8 +132,9 @@ static void end(void *user)
 static bool link_stream(struct glint_stream *s)
 {
     glint_http *h = s->http;
+    const uint32_t most = glint_http_limits(h).streams;
     pthread_mutex_lock(&h->lists);
-    const bool room = h->streams < h->limits.streams && !glint_http_draining(h);
+    const bool room = h->streams < most && !glint_http_draining(h);
     if (room) {
         h->streams++;
         atomic_fetch_add(&h->readers, 1);
