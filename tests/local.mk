@@ -79,6 +79,7 @@ UNIT_TESTS = \
 	tests/unit/test_schema \
 	tests/unit/test_status \
 	tests/unit/test_stl \
+	tests/unit/test_stop \
 	tests/unit/test_store \
 	tests/unit/test_tokens \
 	tests/unit/test_turn
@@ -170,6 +171,7 @@ tests_unit_test_scheduler_SOURCES = tests/unit/test_scheduler.c $(jobs_fixture)
 tests_unit_test_obj_SOURCES = tests/unit/test_obj.c tests/unit/model_expect.h
 tests_unit_test_ply_SOURCES = tests/unit/test_ply.c tests/unit/model_expect.h
 tests_unit_test_stl_SOURCES = tests/unit/test_stl.c tests/unit/model_expect.h
+tests_unit_test_stop_SOURCES = tests/unit/test_stop.c $(jobs_fixture)
 tests_unit_test_store_SOURCES = tests/unit/test_store.c tests/unit/fake_scene.c \
 	tests/unit/fake_scene.h
 tests_unit_test_http_SOURCES = tests/unit/test_http.c tests/unit/fake_house.c \

@@ -137,7 +137,7 @@ static void fill(struct glint_entry *e, struct glint_job *job, glint_revision *r
     e->state = GLINT_JOB_QUEUED;
     e->end = GLINT_JOB_QUEUED;
     e->priority = job->priority;
-    e->stop_seconds = job->stop.seconds;
+    e->stop = job->stop;
     e->since = NAN;
     e->sequence = 1;
     e->submitted = glint_now();

@@ -40,8 +40,11 @@ static glint_status submit(glint_scheduler *s, struct glint_command *c)
                           "the film needs %.3g GiB of memory, all films may have %.3g",
                           (double)c->entry->film_bytes / GIB, (double)s->limits.memory_bytes / GIB);
     c->gone = glint_job_table_trim(s->table, s->limits.ended_jobs);
-    if (!glint_job_table_add(s->table, c->entry))
+    const bool entered = glint_turn_enter(&s->accounts, c->entry, c->entry->priority);
+    if (!entered || !glint_job_table_add(s->table, c->entry)) {
+        glint_turn_leave(&s->accounts, c->entry);
         return glint_fail(c->err, GLINT_E_NOMEM, "", "no memory for one more job");
+    }
     c->entry->slice_seconds = FIRST_SLICE;
     s->live[s->lives++] = c->entry;
     glint_revision_use(c->entry->revision, 1);
@@ -66,6 +69,19 @@ static glint_status delete (glint_scheduler *s, struct glint_command *c)
     return GLINT_OK;
 }
 
+static glint_status set_priority(glint_scheduler *s, struct glint_entry *e, int32_t priority,
+                                 struct glint_error *err)
+{
+    if (priority == e->priority)
+        return GLINT_OK;
+    if (!glint_turn_enter(&s->accounts, e, priority))
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for another priority");
+    glint_state_priority(s->table, e, priority);
+    glint_turn_join(s->live, s->lives, e);
+    glint_scheduler_recall(s);
+    return GLINT_OK;
+}
+
 static void set_paused(glint_scheduler *s, struct glint_entry *e, bool paused)
 {
     if (paused == (e->state == GLINT_JOB_PAUSED))
@@ -81,40 +97,93 @@ static void set_paused(glint_scheduler *s, struct glint_entry *e, bool paused)
         glint_turn_join(s->live, s->lives, e);
 }
 
-// A job that stopped by time goes on where it stopped.
+static bool same_stop(const struct glint_job_stop *a, const struct glint_job_stop *b)
+{
+    return a->samples == b->samples && a->seconds == b->seconds && a->error == b->error;
+}
+
+// Has the film stop at `stop`, or later at the error that it may reach. What has no film yet is
+// told when it is made.
+static glint_status extend(struct glint_entry *e, const struct glint_job_stop *stop,
+                           struct glint_error *err)
+{
+    if (!e->render || (stop->samples == e->stop.samples && stop->error == e->stop.error) ||
+        glint_render_extend(e->render, stop->samples, stop->error))
+        return GLINT_OK;
+    struct glint_render_state now;
+    glint_render_state(e->render, &now);
+    return now.samples > stop->samples
+               ? glint_fail(err, GLINT_E_CONFLICT, "/stop/samples",
+                            "the job has %u samples already, %u would be fewer", now.samples,
+                            stop->samples)
+               : glint_fail(err, GLINT_E_CONFLICT, "/stop", "this film takes no other samples");
+}
+
+static bool has_time(const struct glint_entry *e, const struct glint_job_stop *stop)
+{
+    return stop->seconds <= 0 || stop->seconds > e->render_seconds;
+}
+
+static bool is_complete(const struct glint_entry *e)
+{
+    return e->render && glint_render_complete(e->render);
+}
+
+// An ended job goes on where it stopped.
 static void resume(glint_scheduler *s, struct glint_entry *e)
 {
     glint_revision_use(e->revision, 1);
     atomic_store_explicit(&e->abandoned, false, memory_order_relaxed);
+    if (e->render)
+        glint_render_interrupt(e->render, false);
     s->live[s->lives++] = e;
-    glint_scheduler_enter(s, e, GLINT_JOB_RENDERING);
+    glint_scheduler_enter(s, e, e->began ? GLINT_JOB_RENDERING : GLINT_JOB_QUEUED);
     glint_turn_join(s->live, s->lives, e);
 }
 
+static glint_status may_resume(const glint_scheduler *s, struct glint_entry *e,
+                               const struct glint_job_stop *stop, struct glint_error *err)
+{
+    if (s->stopping || s->lives >= s->limits.live_jobs)
+        return glint_fail(err, GLINT_E_BUSY, "", "no more jobs can render now");
+    const glint_status st = has_time(e, stop) ? extend(e, stop, err) : GLINT_OK;
+    if (st)
+        return st;
+    if (has_time(e, stop) && !is_complete(e))
+        return GLINT_OK;
+    return glint_fail(err, GLINT_E_CONFLICT, "", "the job is %s and has no more to render",
+                      glint_job_state_name(e->state));
+}
+
+// Only another stop has one that ended go on; a failed job has nothing that could.
 static glint_status patch_ended(glint_scheduler *s, struct glint_command *c)
 {
     struct glint_entry *e = c->entry;
-    const bool longer =
-        c->patch.has_seconds && (!c->patch.seconds || c->patch.seconds > e->render_seconds);
-    if (e->state != GLINT_JOB_DONE || !longer || glint_render_complete(e->render))
-        return glint_fail(c->err, GLINT_E_CONFLICT, "", "the job is %s and has no more to render",
+    const struct glint_job_stop stop = glint_job_patch_stop(&c->patch, &e->stop);
+    if (!glint_job_patch_stops(&c->patch) || e->state == GLINT_JOB_FAILED)
+        return glint_fail(c->err, GLINT_E_CONFLICT, "", "the job is %s",
                           glint_job_state_name(e->state));
-    if (s->stopping || s->lives >= s->limits.live_jobs)
-        return glint_fail(c->err, GLINT_E_BUSY, "", "no more jobs can render now");
-    glint_state_stop_seconds(s->table, e, c->patch.seconds);
-    if (c->patch.has_priority)
-        glint_state_priority(s->table, e, c->patch.priority);
+    if (e->state == GLINT_JOB_DONE && same_stop(&stop, &e->stop))
+        return GLINT_OK; // said twice
+    const glint_status st = may_resume(s, e, &stop, c->err);
+    if (st)
+        return st;
+    const int32_t priority = c->patch.has_priority ? c->patch.priority : e->priority;
+    if (!glint_turn_enter(&s->accounts, e, priority))
+        return glint_fail(c->err, GLINT_E_NOMEM, "", "no memory for one more job that renders");
+    glint_state_priority(s->table, e, priority);
+    glint_state_stop(s->table, e, &stop);
     resume(s, e);
     if (c->patch.has_paused)
         set_paused(s, e, c->patch.paused);
+    s->news = true;
     return GLINT_OK;
 }
 
-static void set_seconds(glint_scheduler *s, struct glint_entry *e, double seconds)
+static void set_stop(glint_scheduler *s, struct glint_entry *e, const struct glint_job_stop *stop)
 {
-    glint_state_stop_seconds(s->table, e, seconds);
-    const bool more = !seconds || seconds > e->render_seconds;
-    if (e->idle && more && !glint_render_complete(e->render))
+    glint_state_stop(s->table, e, stop);
+    if (e->idle && has_time(e, stop) && !is_complete(e))
         glint_state_idle(s->table, e, false);
 }
 
@@ -128,16 +197,17 @@ static glint_status patch(glint_scheduler *s, struct glint_command *c)
     if (e->end != GLINT_JOB_QUEUED)
         return glint_fail(c->err, GLINT_E_CONFLICT, "", "the job is about to be %s",
                           glint_job_state_name(e->end));
-    if (c->patch.has_seconds)
-        set_seconds(s, e, c->patch.seconds);
+    const struct glint_job_stop stop = glint_job_patch_stop(&c->patch, &e->stop);
+    glint_status st = extend(e, &stop, c->err);
+    if (!st && c->patch.has_priority)
+        st = set_priority(s, e, c->patch.priority, c->err);
+    if (st)
+        return st;
+    if (!same_stop(&stop, &e->stop))
+        set_stop(s, e, &stop);
     if (c->patch.look) {
         glint_state_look(s->table, e, &c->patch.look);
         e->stale = glint_now();
-    }
-    if (c->patch.has_priority && c->patch.priority != e->priority) {
-        glint_state_priority(s->table, e, c->patch.priority);
-        glint_turn_join(s->live, s->lives, e);
-        glint_scheduler_recall(s);
     }
     if (c->patch.has_paused)
         set_paused(s, e, c->patch.paused);

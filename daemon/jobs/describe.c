@@ -13,7 +13,8 @@ struct moment {
     enum glint_job_state state;
     glint_render *render;
     int32_t priority;
-    double stop_seconds, seconds, worker_seconds;
+    struct glint_job_stop stop;
+    double seconds, worker_seconds;
     uint64_t sequence;
     bool idle;
     char revision[65];
@@ -28,7 +29,7 @@ static void look(struct glint_job_table *table, const struct glint_entry *e, str
     *out = (struct moment){e->state,
                            e->render,
                            e->priority,
-                           e->stop_seconds,
+                           e->stop,
                            glint_entry_seconds(e, now),
                            e->worker_seconds,
                            e->sequence,
@@ -53,7 +54,7 @@ static double progress(const struct moment *m, const struct glint_render_state *
 {
     if (m->state == GLINT_JOB_DONE)
         return 1;
-    const double by_time = m->stop_seconds > 0 ? m->seconds / m->stop_seconds : 0;
+    const double by_time = m->stop.seconds > 0 ? m->seconds / m->stop.seconds : 0;
     return fmin(fmax(r->progress, by_time), 1);
 }
 
@@ -67,8 +68,8 @@ static double eta(const struct moment *m, const struct glint_render_state *r)
     double left = NAN; // fmin takes the other one
     if (r->progress > 0)
         left = m->seconds * (1 - r->progress) / r->progress;
-    if (m->stop_seconds > 0)
-        left = fmin(left, m->stop_seconds - m->seconds);
+    if (m->stop.seconds > 0)
+        left = fmin(left, m->stop.seconds - m->seconds);
     if (r->samples && isfinite(r->predicted_samples))
         left = fmin(left, m->seconds * (r->predicted_samples / r->samples - 1));
     return isnan(left) ? NAN : fmax(left, 0);
@@ -98,16 +99,26 @@ static void add_render(cJSON *object, const struct moment *m)
     add_rays(object, &r);
 }
 
+static cJSON *stop_of(const struct glint_job_stop *stop)
+{
+    cJSON *object = cJSON_CreateObject();
+    if (stop->samples < GLINT_MAX_SAMPLES)
+        cJSON_AddNumberToObject(object, "samples", stop->samples);
+    if (stop->seconds > 0)
+        cJSON_AddNumberToObject(object, "seconds", stop->seconds);
+    if (stop->error > 0)
+        cJSON_AddNumberToObject(object, "error", stop->error);
+    return object;
+}
+
 // The job as submitted, with what a PATCH has changed since.
 static void add_job(cJSON *object, const struct glint_entry *e, const struct moment *m)
 {
     cJSON *job = cJSON_Parse(e->text);
-    cJSON *stop = cJSON_GetObjectItemCaseSensitive(job, "stop");
     cJSON_DeleteItemFromObjectCaseSensitive(job, "priority");
     cJSON_AddNumberToObject(job, "priority", m->priority);
-    cJSON_DeleteItemFromObjectCaseSensitive(stop, "seconds");
-    if (m->stop_seconds > 0)
-        cJSON_AddNumberToObject(stop, "seconds", m->stop_seconds);
+    cJSON_DeleteItemFromObjectCaseSensitive(job, "stop");
+    cJSON_AddItemToObject(job, "stop", stop_of(&m->stop));
     if (m->look)
         cJSON_DeleteItemFromObjectCaseSensitive(job, "camera");
     if (m->look && !cJSON_IsNull(m->look->camera))

@@ -21,22 +21,55 @@ static bool read_paused(const struct glint_json *at, void *out)
     return glint_json_bool(at, out);
 }
 
+static bool read_samples(const struct glint_json *at, void *out)
+{
+    return glint_json_uint(at, 1, GLINT_MAX_SAMPLES, out);
+}
+
 static bool read_seconds(const struct glint_json *at, void *out)
 {
     return glint_json_double(at, 1e-3, 1e9, out);
 }
 
+static bool read_error(const struct glint_json *at, void *out)
+{
+    return glint_json_double(at, 1e-9, 1e9, out);
+}
+
 static void read_stop(const struct glint_json *stop, struct glint_job_patch *out)
 {
     static const char *const known[] = {"samples", "seconds", "error", NULL};
-    glint_json_only(stop, known);
-    for (int i = 0; i < 3; i += 2) {
-        const struct glint_json at = glint_json_member(stop, known[i]);
-        if (at.value)
-            glint_json_fault(&at, "\"%s\" is settled when a job is submitted", known[i]);
+    out->stop = (struct glint_job_stop){.samples = GLINT_MAX_SAMPLES};
+    if (stop->value && cJSON_IsNull(stop->value)) {
+        out->stop.samples = GLINT_DEFAULT_SAMPLES;
+        out->has_samples = out->has_seconds = out->has_error = true;
+        return;
     }
+    glint_json_only(stop, known);
+    const struct glint_json samples = glint_json_member(stop, "samples");
     const struct glint_json seconds = glint_json_member(stop, "seconds");
-    out->has_seconds = named(&seconds, read_seconds, &out->seconds);
+    const struct glint_json error = glint_json_member(stop, "error");
+    out->has_samples = named(&samples, read_samples, &out->stop.samples);
+    out->has_seconds = named(&seconds, read_seconds, &out->stop.seconds);
+    out->has_error = named(&error, read_error, &out->stop.error);
+}
+
+bool glint_job_patch_stops(const struct glint_job_patch *patch)
+{
+    return patch->has_samples || patch->has_seconds || patch->has_error;
+}
+
+struct glint_job_stop glint_job_patch_stop(const struct glint_job_patch *patch,
+                                           const struct glint_job_stop *stop)
+{
+    struct glint_job_stop out = *stop;
+    if (patch->has_samples)
+        out.samples = patch->stop.samples;
+    if (patch->has_seconds)
+        out.seconds = patch->stop.seconds;
+    if (patch->has_error)
+        out.error = patch->stop.error;
+    return out;
 }
 
 glint_status glint_job_patch_parse(struct glint_job_patch *out, const char *text, size_t length,

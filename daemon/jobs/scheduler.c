@@ -55,6 +55,7 @@ static void settle(glint_scheduler *s, struct glint_entry *e)
     glint_scheduler_enter(s, e, e->end);
     e->end = GLINT_JOB_QUEUED;
     remove_live(s, e);
+    glint_turn_leave(&s->accounts, e);
     glint_scheduler_unblock(s);
     glint_crew_dispose(s->crew, &e->next_view, &e->next_revision);
     glint_log(e->state == GLINT_JOB_FAILED ? GLINT_LOG_WARNING : GLINT_LOG_INFO, "jobs", e->id,
@@ -83,6 +84,8 @@ void glint_scheduler_end(glint_scheduler *s, struct glint_entry *e, enum glint_j
     // Relaxed: a hint to the preparer.
     atomic_store_explicit(&e->abandoned, true, memory_order_relaxed);
     glint_scheduler_recall(s);
+    if (e->out && state != GLINT_JOB_DONE) // nobody waits for what is out
+        glint_render_interrupt(e->render, true);
     if (!e->out)
         settle(s, e);
 }
@@ -103,15 +106,21 @@ static void idle(glint_scheduler *s, struct glint_entry *e)
     s->news = true;
 }
 
+// What it was asked for is there.
+static void end_at_stop(glint_scheduler *s, struct glint_entry *e)
+{
+    if (e->job->live)
+        idle(s, e);
+    else
+        glint_scheduler_end(s, e, GLINT_JOB_DONE);
+}
+
 static void end_if_complete(glint_scheduler *s, struct glint_entry *e)
 {
     if (glint_state_ended(e->state) || e->end != GLINT_JOB_QUEUED || e->out ||
         !glint_render_complete(e->render))
         return;
-    if (e->job->live)
-        idle(s, e);
-    else
-        glint_scheduler_end(s, e, GLINT_JOB_DONE);
+    end_at_stop(s, e);
 }
 
 // The live job shows what was made for it. Nothing of it is out.
@@ -151,6 +160,15 @@ static void not_prepared(glint_scheduler *s, struct glint_entry *e, struct glint
     e->blocked = true;
 }
 
+// The stop may have changed while the film was made, and a film may come with samples.
+static void follow_stop(glint_scheduler *s, struct glint_entry *e)
+{
+    const struct glint_job_stop *asked = &e->job->stop;
+    const bool as_made = e->stop.samples == asked->samples && e->stop.error == asked->error;
+    if (!as_made && !glint_render_extend(e->render, e->stop.samples, e->stop.error))
+        end_at_stop(s, e);
+}
+
 static void prepared(glint_scheduler *s, struct glint_message *m)
 {
     struct glint_entry *e = m->entry;
@@ -160,13 +178,14 @@ static void prepared(glint_scheduler *s, struct glint_message *m)
         glint_error_finish(&m->error);
     } else if (m->status) {
         not_prepared(s, e, m);
-    } else {
+    } else if (m->render) { // none: it was cancelled meanwhile, and goes on; it is prepared again
         if (m->revision != e->revision) {
             glint_revision_use(m->revision, 1);
             glint_revision_use(e->revision, -1);
             glint_state_moved(s->table, e, &m->revision);
         }
         glint_state_prepared(s->table, e, &m->render);
+        follow_stop(s, e);
         glint_turn_join(s->live, s->lives, e);
         glint_scheduler_recall(s);
         s->news = true;
@@ -199,7 +218,7 @@ static void moved(glint_scheduler *s, struct glint_message *m)
         m->revision = NULL;
         glint_scheduler_recall(s);
         if (e->out)
-            glint_render_interrupt(e->render);
+            glint_render_interrupt(e->render, true);
         else
             change_view(s, e);
     }
@@ -264,16 +283,14 @@ static void end_late(glint_scheduler *s)
         struct glint_entry *e = s->live[i];
         if (glint_state_deadline(e) > now)
             continue;
-        if (e->job->live)
-            idle(s, e);
-        else
-            glint_scheduler_end(s, e, GLINT_JOB_DONE);
+        end_at_stop(s, e);
     }
 }
 
 static void prepare_next(glint_scheduler *s)
 {
-    struct glint_entry *e = s->preparing ? NULL : glint_turn_prepare(s->live, s->lives);
+    struct glint_entry *e =
+        s->preparing ? NULL : glint_turn_prepare(s->live, s->lives, s->limits.side_by_side);
     if (!e)
         return;
     struct glint_entry *gone = NULL;

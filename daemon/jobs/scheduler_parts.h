@@ -19,12 +19,13 @@ struct glint_scheduler {
     struct glint_jobs_limits limits;               // none is 0
     struct glint_entry *live[GLINT_MAX_LIVE_JOBS]; // not ended, in order of submission
     size_t lives;
-    uint32_t *load; // [workers] orders out
-    bool preparing; // the preparer has an order
-    bool moving;    // the mover has one
-    bool news;      // a state or description is another: `changed` is called at once
-    bool pixels;    // new pixels: `changed` is called PIXEL_SECONDS after it was the last time
-    double told;    // glint_now() of that
+    struct glint_account *accounts; // of those
+    uint32_t *load;                 // [workers] orders out
+    bool preparing;                 // the preparer has an order
+    bool moving;                    // the mover has one
+    bool news;   // a state or description is another: `changed` is called at once
+    bool pixels; // new pixels: `changed` is called PIXEL_SECONDS after it was the last time
+    double told; // glint_now() of that
     void (*changed)(void *user);
     void *user;
     bool stopping;

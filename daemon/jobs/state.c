@@ -118,18 +118,18 @@ void glint_state_priority(struct glint_job_table *table, struct glint_entry *ent
     pthread_mutex_unlock(&table->mutex);
 }
 
-void glint_state_stop_seconds(struct glint_job_table *table, struct glint_entry *entry,
-                              double seconds)
+void glint_state_stop(struct glint_job_table *table, struct glint_entry *entry,
+                      const struct glint_job_stop *stop)
 {
     pthread_mutex_lock(&table->mutex);
-    entry->stop_seconds = seconds;
+    entry->stop = *stop;
     entry->sequence++;
     pthread_mutex_unlock(&table->mutex);
 }
 
 double glint_state_deadline(const struct glint_entry *entry)
 {
-    if (entry->stop_seconds <= 0 || isnan(entry->since))
+    if (entry->stop.seconds <= 0 || isnan(entry->since))
         return INFINITY;
-    return entry->since + (entry->stop_seconds - entry->render_seconds);
+    return entry->since + (entry->stop.seconds - entry->render_seconds);
 }

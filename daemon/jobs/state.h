@@ -2,7 +2,7 @@
 //
 //   queued -> rendering -> done, failed, cancelled
 //   queued, rendering <-> paused
-//   done -> rendering, when a longer time is granted to a job that stopped by time
+//   done, cancelled -> queued, rendering, when it is granted more
 //
 // The clock of a job runs while it is `rendering`: seconds of a pause do not count. That of a live
 // job stands while it idles, and begins again when it moves.
@@ -44,8 +44,8 @@ void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry,
 
 void glint_state_priority(struct glint_job_table *table, struct glint_entry *entry,
                           int32_t priority);
-void glint_state_stop_seconds(struct glint_job_table *table, struct glint_entry *entry,
-                              double seconds);
+void glint_state_stop(struct glint_job_table *table, struct glint_entry *entry,
+                      const struct glint_job_stop *stop);
 
 // glint_now() at which stop.seconds is reached, INFINITY while its clock stands or without a limit.
 double glint_state_deadline(const struct glint_entry *entry);

@@ -23,6 +23,8 @@
 #define GLINT_KEY_SECONDS \
     86400.0 // an Idempotency-Key is good for a day, and while its job is known
 
+struct glint_account;
+
 struct glint_entry {
     // fixed
     char id[GLINT_JOB_ID_BYTES];
@@ -44,9 +46,9 @@ struct glint_entry {
     glint_render *render;     // NULL until prepared
     struct glint_error problem;
     int32_t priority;
-    double stop_seconds;   // 0: none
-    double render_seconds; // of rendering, up to `since`
-    double since;          // glint_now() from which it is rendering, NAN: not now, or it idles
+    struct glint_job_stop stop; // as it is now; that of `job` is as submitted
+    double render_seconds;      // of rendering, up to `since`
+    double since;               // glint_now() from which it is rendering, NAN: not now, or it idles
     double worker_seconds;
     uint64_t sequence;
 
@@ -62,10 +64,11 @@ struct glint_entry {
     glint_view *next_view; // waits until no slice is out, NULL: none
     glint_revision *next_revision; // of it, retained
     uint32_t out;                  // slices at workers
-    double turn;                   // worker seconds on the scale on which equals take turns
-    double slice_seconds;          // of late, per slice
-    enum glint_job_state end;      // state to end in once `out` is 0; QUEUED: not ending
-    struct glint_entry *next;      // of entries on their way out of the table
+    struct glint_account *account; // of its client at its priority, NULL: it has ended
+    double turn;              // worker seconds on the scale on which a client's jobs take turns
+    double slice_seconds;     // of late, per slice
+    enum glint_job_state end; // state to end in once `out` is 0; QUEUED: not ending
+    struct glint_entry *next; // of entries on their way out of the table
 
     // counted
     atomic_uint references;

@@ -118,10 +118,10 @@ static void forget(struct glint_render *r)
     r->points = 0;
 }
 
-void glint_render_interrupt(glint_render *r)
+void glint_render_interrupt(glint_render *r, bool on)
 {
     // Relaxed: a hint; nothing depends on when it is seen.
-    atomic_store_explicit(&r->interrupted, true, memory_order_relaxed);
+    atomic_store_explicit(&r->interrupted, on, memory_order_relaxed);
 }
 
 void glint_render_restart(glint_render *r, glint_view **view)

@@ -52,8 +52,9 @@ glint_status glint_render_move(glint_view **out, glint_render *render, struct gl
                                struct glint_error *err);
 void glint_view_release(glint_view **view);
 
-// Has the slices out given up between two bounces: something else is to be shown.
-void glint_render_interrupt(glint_render *render);
+// Has the slices out given up between two bounces, and those that come: something else is to be
+// shown, or nobody waits for them. Until it is told otherwise, or starts again.
+void glint_render_interrupt(glint_render *render, bool on);
 
 // Shows *view from now on, from the first sample on. No slice may be out. *view is then the old
 // one, the caller's to release: that may free a scene, which takes a while.

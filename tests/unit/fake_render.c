@@ -31,6 +31,7 @@ struct glint_render {
     struct glint_job job;
     uint32_t sample, back; // the pass, its blocks given back
     unsigned char *block;  // [width] enum block_state
+    bool interrupted;
 };
 
 // How the job with a seed behaves.
@@ -371,9 +372,26 @@ void glint_view_release(glint_view **view)
     *view = NULL;
 }
 
-void glint_render_interrupt(glint_render *r)
+void glint_render_interrupt(glint_render *r, bool on)
 {
-    (void)r;
+    lock();
+    r->interrupted = on;
+    unlock();
+}
+
+bool glint_render_extend(glint_render *r, uint32_t samples, double error)
+{
+    lock();
+    bool begun_more = r->back > 0;
+    for (uint32_t i = 0; i < r->job.width; i++)
+        begun_more |= r->block[i] != BLOCK_FREE;
+    const bool possible = r->sample + begun_more <= samples;
+    if (possible) {
+        r->job.stop.samples = samples;
+        r->job.stop.error = error;
+    }
+    unlock();
+    return possible;
 }
 
 void glint_render_restart(glint_render *r, glint_view **view)
@@ -385,6 +403,7 @@ void glint_render_restart(glint_render *r, glint_view **view)
         r->block[i] = BLOCK_FREE;
     }
     r->sample = r->back = 0;
+    r->interrupted = false;
     restarts++;
     fov = (*view)->job.camera.yfov;
     unlock();
@@ -424,8 +443,12 @@ glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
         begun[begins] = r->job.seed;
     begins++;
     pthread_cond_broadcast(&changed);
-    while (gate_closed && !let)
+    while (gate_closed && !let && !r->interrupted)
         pthread_cond_wait(&changed, &mutex);
+    if (r->interrupted) {
+        unlock();
+        return GLINT_E_BUSY;
+    }
     let -= gate_closed;
     const double seconds = behaviour[r->job.seed].seconds;
     const bool fails = behaviour[r->job.seed].fail_slice;

@@ -9,6 +9,7 @@
 struct fixture {
     glint_store *store;
     glint_jobs *jobs;
+    const char *client; // who submits, NULL: nobody says
 };
 
 // A store with the scene "s" (camera id "c", name "Front") and jobs on `workers` stand-in workers.

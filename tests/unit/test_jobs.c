@@ -312,7 +312,7 @@ static void every_fault_of_a_patch_is_named(void **state)
     fake_close_gate();
     const char *id = fixture_submit(&f, "{'scene': 's', " SMALL "}");
     static const char bad[] = "{\"priority\": 101, \"paused\": 1, \"colour\": 2,"
-                              " \"stop\": {\"seconds\": -1, \"samples\": 9, \"when\": 1}}";
+                              " \"stop\": {\"seconds\": -1, \"samples\": 0, \"when\": 1}}";
     static const char *const pointer[] = {"/priority",     "/paused",       "/colour",
                                           "/stop/seconds", "/stop/samples", "/stop/when"};
     struct glint_error err = {0};

@@ -1,8 +1,6 @@
 #include "base/thread.h"
-#include "jobs/turn.h"
 #include "jobs_fixture.h"
 
-#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,119 +8,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-// Whose turn it is, without threads.
-
-static glint_render *const some_film = (glint_render *)&some_film; // only compared with NULL
-
-static struct glint_entry make(int priority)
-{
-    return (struct glint_entry){.state = GLINT_JOB_RENDERING,
-                                .render = some_film,
-                                .priority = priority,
-                                .slice_seconds = 0.02};
-}
-
-// Runs `turns` slices that cost each job what `cost` says.
-static void run(struct glint_entry *const *entry, size_t count, const double *cost, int turns,
-                double *served)
-{
-    for (int t = 0; t < turns; t++) {
-        struct glint_entry *next = glint_turn_next(entry, count);
-        for (size_t i = 0; i < count; i++)
-            if (entry[i] == next) {
-                glint_turn_charge(next, cost[i]);
-                served[i] += cost[i];
-            }
-    }
-}
-
-static void equals_share_by_worker_seconds_whatever_a_slice_costs(void **state)
-{
-    (void)state;
-    struct glint_entry a = make(0), b = make(0), c = make(0);
-    struct glint_entry *const entry[] = {&a, &b, &c};
-    const double cost[] = {0.001, 0.020, 0.007};
-    double served[3] = {0, 0, 0};
-    run(entry, 3, cost, 10000, served);
-    for (int i = 1; i < 3; i++) // apart by no more than the longest slice
-        assert_true(fabs(served[i] - served[0]) <= 0.0201);
-}
-
-static void a_higher_priority_goes_first_whatever_it_has_had(void **state)
-{
-    (void)state;
-    struct glint_entry a = make(0), b = make(1);
-    struct glint_entry *const entry[] = {&a, &b};
-    b.turn = 100;
-    assert_ptr_equal(glint_turn_next(entry, 2), &b);
-    b.dry = true;
-    assert_ptr_equal(glint_turn_next(entry, 2), &a);
-}
-
-static void slices_that_are_out_count_as_served(void **state)
-{
-    (void)state;
-    struct glint_entry a = make(0), b = make(0);
-    struct glint_entry *const entry[] = {&a, &b};
-    assert_ptr_equal(glint_turn_next(entry, 2), &a);
-    a.out = 1;
-    assert_ptr_equal(glint_turn_next(entry, 2), &b);
-}
-
-static void a_newcomer_has_neither_debt_nor_credit(void **state)
-{
-    (void)state;
-    struct glint_entry a = make(0), b = make(0), late = make(0);
-    struct glint_entry *const entry[] = {&a, &b, &late};
-    const double cost[] = {0.01, 0.01, 0.01};
-    double served[3] = {0, 0, 0};
-    run(entry, 2, cost, 1000, served);
-    glint_turn_join(entry, 3, &late);
-    served[0] = served[1] = 0;
-    run(entry, 3, cost, 300, served);
-    for (int i = 0; i < 3; i++)
-        assert_true(fabs(served[i] - 1) <= 0.011);
-}
-
-static void who_is_paused_ending_or_unprepared_gets_no_turn(void **state)
-{
-    (void)state;
-    struct glint_entry a = make(0);
-    struct glint_entry *const entry[] = {&a};
-    assert_ptr_equal(glint_turn_next(entry, 1), &a);
-    a.state = GLINT_JOB_PAUSED;
-    assert_null(glint_turn_next(entry, 1));
-    a = make(0);
-    a.end = GLINT_JOB_CANCELLED;
-    assert_null(glint_turn_next(entry, 1));
-    a = make(0);
-    a.render = NULL;
-    assert_null(glint_turn_next(entry, 1));
-}
-
-static void films_are_made_for_the_important_first_and_for_few_at_once(void **state)
-{
-    (void)state;
-    enum { COUNT = GLINT_MAX_FILMS + 2 };
-    struct glint_entry e[COUNT];
-    struct glint_entry *entry[COUNT];
-    for (size_t i = 0; i < COUNT; i++) {
-        e[i] = make(0);
-        entry[i] = &e[i];
-    }
-    struct glint_entry *low = &e[COUNT - 2], *high = &e[COUNT - 1];
-    low->render = high->render = NULL;
-    low->state = high->state = GLINT_JOB_QUEUED;
-    high->priority = 5;
-    assert_ptr_equal(glint_turn_prepare(entry, COUNT), high);
-    high->render = some_film;
-    assert_null(glint_turn_prepare(entry, COUNT)); // GLINT_MAX_FILMS + 1 matter as much
-    e[0].state = e[1].state = GLINT_JOB_PAUSED;
-    assert_ptr_equal(glint_turn_prepare(entry, COUNT), low);
-    low->blocked = true;
-    assert_null(glint_turn_prepare(entry, COUNT));
-}
 
 // The scheduler with its crew, over stand-in renders.
 
@@ -352,7 +237,7 @@ static void compiling_holds_up_neither_slices_nor_answers(void **state)
     fixture_stop(&f);
 }
 
-static void a_cancelled_job_runs_no_slice_that_had_not_begun(void **state)
+static void a_cancelled_job_gives_up_what_runs_and_begins_no_more(void **state)
 {
     (void)state;
     struct fixture f;
@@ -362,11 +247,8 @@ static void a_cancelled_job_runs_no_slice_that_had_not_begun(void **state)
     fake_begun(1, NULL);
     bool forgotten;
     assert_int_equal(glint_jobs_delete(f.jobs, a, &forgotten, NULL), GLINT_OK);
-    assert_int_equal(fixture_state(&f, a), GLINT_JOB_RENDERING); // until its slice is back
-    assert_int_equal(glint_jobs_delete(f.jobs, a, &forgotten, NULL), GLINT_OK);
     assert_false(forgotten);
-    fake_open_gate();
-    fixture_wait(&f, a, GLINT_JOB_CANCELLED);
+    fixture_wait(&f, a, GLINT_JOB_CANCELLED); // the gate is still closed
     assert_int_equal(fake_begun_now(), 1);
     assert_int_equal(fake_renders(), 1); // what was rendered is kept
     fixture_stop(&f);
@@ -538,12 +420,6 @@ static void no_slice_is_lost_or_run_twice_while_clients_interfere(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equals_share_by_worker_seconds_whatever_a_slice_costs),
-        cmocka_unit_test(a_higher_priority_goes_first_whatever_it_has_had),
-        cmocka_unit_test(slices_that_are_out_count_as_served),
-        cmocka_unit_test(a_newcomer_has_neither_debt_nor_credit),
-        cmocka_unit_test(who_is_paused_ending_or_unprepared_gets_no_turn),
-        cmocka_unit_test(films_are_made_for_the_important_first_and_for_few_at_once),
         cmocka_unit_test(a_higher_priority_gets_the_next_slice),
         cmocka_unit_test(a_raised_priority_counts_from_the_next_slice),
         cmocka_unit_test(equal_jobs_have_had_equal_time_when_one_is_done),
@@ -555,7 +431,7 @@ int main(void)
         cmocka_unit_test(a_film_over_the_limit_is_refused_and_costs_nobody_anything),
         cmocka_unit_test(a_film_that_fits_nowhere_fails_with_capacity),
         cmocka_unit_test(compiling_holds_up_neither_slices_nor_answers),
-        cmocka_unit_test(a_cancelled_job_runs_no_slice_that_had_not_begun),
+        cmocka_unit_test(a_cancelled_job_gives_up_what_runs_and_begins_no_more),
         cmocka_unit_test(a_paused_job_gets_no_slice_and_its_clock_stands),
         cmocka_unit_test(a_job_paused_in_the_queue_begins_when_it_is_let_go),
         cmocka_unit_test(a_job_stops_at_its_seconds_and_goes_on_when_given_more),
