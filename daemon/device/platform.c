@@ -1,9 +1,7 @@
-// platform.c - finds PoCL's devices and makes its compiler vectorise across work-items.
-#include "base/log.h"
+// platform.c - finds PoCL's devices and says where it keeps what it compiles.
+#include "device/compiler.h"
 #include "device/internal.h"
 
-#include <dlfcn.h>
-#include <link.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,64 +42,6 @@ static void describe_machine(void)
              (long long)sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGESIZE),
              sysconf(_SC_NPROCESSORS_ONLN));
     setenv("HWLOC_SYNTHETIC", text, 0);
-}
-
-static int is_llvm(struct dl_phdr_info *info, size_t size, void *path)
-{
-    (void)size;
-    const char *base = strrchr(info->dlpi_name, '/');
-    if (strncmp(base ? base + 1 : info->dlpi_name, "libLLVM", 7))
-        return 0;
-    *(const char **)path = info->dlpi_name;
-    return 1;
-}
-
-// How PoCL's compiler is set: what LLVM is told, and the cache folder of code made so, because
-// PoCL's cache key does not see LLVM's options.
-struct setting {
-    const char *folder, *option[4];
-};
-
-// LLVM's superword pass runs before the vectoriser of the work-item loop and leaves it code that
-// it gives up on (measured: the rest of a path costs 3 times as much).
-static const struct setting untouched = {"pocl", {NULL}};
-static const struct setting scalar_first = {"pocl-noslp", {"glintd", "-vectorize-slp=false", NULL}};
-
-// LLVM takes half of an AVX-512 register by itself, for fear of a lower clock. Whole ones give
-// the same bits and shade surfaces in 0.7 of the time (measured).
-static const struct setting whole_registers = {
-    "pocl-noslp-16", {"glintd", "-vectorize-slp=false", "-force-vector-width=16", NULL}};
-
-static const struct setting *choose_setting(void)
-{
-#ifdef __x86_64__
-    if (__builtin_cpu_supports("avx512f"))
-        return &whole_registers;
-#endif
-    return &scalar_first;
-}
-
-// The options of a loaded LLVM can be set once in a process: a second attempt would end it.
-static const struct setting *set_compiler(void)
-{
-    const char *path = NULL;
-    dl_iterate_phdr(is_llvm, &path);
-    void *llvm = path ? dlopen(path, RTLD_NOW | RTLD_NOLOAD) : NULL;
-    void (*parse)(int, const char *const *, const char *) = NULL;
-    if (llvm)
-        *(void **)&parse = dlsym(llvm, "LLVMParseCommandLineOptions");
-    if (!parse) {
-        glint_log(GLINT_LOG_WARNING, "cl", NULL, NULL,
-                  "no libLLVM to set the vectoriser of: kernels will be slow");
-        return &untouched;
-    }
-    const struct setting *setting = choose_setting();
-    int count = 0;
-    while (setting->option[count])
-        count++;
-    parse(count, setting->option, "");
-    glint_log(GLINT_LOG_DEBUG, "cl", NULL, NULL, "%s compiles as %s", path, setting->folder);
-    return setting;
 }
 
 static void name_cache(const char *cache_dir, const char *folder)
@@ -164,7 +104,10 @@ glint_status glint_platform_open(cl_device_id *device, uint32_t count, const cha
     if (st)
         return st;
     if (!opened) { // the platform has loaded LLVM, and PoCL has not yet looked for its cache
-        name_cache(cache_dir, set_compiler()->folder);
+        char folder[GLINT_COMPILER_FOLDER], version[256] = "";
+        clGetPlatformInfo(platform, CL_PLATFORM_VERSION, sizeof version, version, NULL);
+        glint_compiler_set(folder, glint_sources, version);
+        name_cache(cache_dir, folder);
         opened = true;
     }
     cl_uint found = 0;
