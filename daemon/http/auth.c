@@ -6,6 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
+#define JOB_PATTERN "/v1/jobs/{}"
+
 // What a client needs before it has a token, or what tells nothing.
 static bool is_open(const struct glint_route *route)
 {
@@ -60,6 +62,19 @@ static bool check_scope(struct glint_request *r, const char *secret)
     return false;
 }
 
+// Somebody else's job is answered like one that does not exist.
+static bool check_job(struct glint_request *r)
+{
+    const char *tenant = glint_auth_tenant(r);
+    if (!tenant || strncmp(r->route->pattern, JOB_PATTERN, strlen(JOB_PATTERN)) ||
+        glint_jobs_belongs(r->http->jobs, r->argument[0], tenant))
+        return true;
+    struct glint_error err = {0};
+    glint_fail(&err, GLINT_E_NOT_FOUND, "", "there is no job \"%.64s\"", r->argument[0]);
+    glint_answer_error(r, &err);
+    return false;
+}
+
 static bool take_name(struct glint_request *r)
 {
     const char *name = glint_request_header(r, "Glint-Client");
@@ -84,7 +99,7 @@ bool glint_auth_request(struct glint_request *r)
     const char *secret = bearer(r);
     if (secret)
         r->scope = glint_tokens_find(r->http->tokens, secret, r->client_text);
-    return check_scope(r, secret);
+    return check_scope(r, secret) && check_job(r);
 }
 
 const char *glint_auth_tenant(const struct glint_request *r)

@@ -1,4 +1,5 @@
 #include "http/answer.h"
+#include "http/auth.h"
 #include "http/resources.h"
 #include "protocol/json.h"
 
@@ -11,7 +12,8 @@
 void glint_http_jobs_list(struct glint_request *r)
 {
     struct glint_error err = {0};
-    cJSON *list = glint_jobs_list(r->http->jobs, NULL, &err);
+    const struct glint_jobs_filter filter = {.client = glint_auth_tenant(r)};
+    cJSON *list = glint_jobs_list(r->http->jobs, &filter, &err);
     if (list)
         glint_answer_json(r, MHD_HTTP_OK, list);
     else

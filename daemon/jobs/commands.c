@@ -266,6 +266,8 @@ void glint_scheduler_obey(glint_scheduler *s, struct glint_command *c)
     case GLINT_COMMAND_LIMITS:
         glint_scheduler_limit(s, &c->limits);
         break;
+    case GLINT_COMMAND_PING:
+        break;
     case GLINT_COMMAND_STOP:
         begin_stop(s);
         return;

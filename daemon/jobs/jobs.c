@@ -254,6 +254,21 @@ void glint_jobs_release(glint_jobs *jobs, struct glint_job_view *view)
     *view = (struct glint_job_view){0};
 }
 
+bool glint_jobs_belongs(glint_jobs *jobs, const char *id, const char *client)
+{
+    struct glint_entry *entry = glint_job_table_hold(&jobs->table, id, NULL);
+    const bool belongs = entry && !strcmp(entry->client, client);
+    if (entry)
+        glint_entry_release(&entry);
+    return belongs;
+}
+
+void glint_jobs_ping(glint_jobs *jobs)
+{
+    struct glint_command command = {.kind = GLINT_COMMAND_PING};
+    tell(jobs, &command);
+}
+
 void glint_jobs_stats(glint_jobs *jobs, struct glint_jobs_stats *out)
 {
     *out = (struct glint_jobs_stats){0};

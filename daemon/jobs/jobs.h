@@ -119,6 +119,12 @@ glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_
                              struct glint_error *err);
 void glint_jobs_release(glint_jobs *jobs, struct glint_job_view *view);
 
+// True for a job that there is and that this client has submitted.
+bool glint_jobs_belongs(glint_jobs *jobs, const char *id, const char *client);
+
+// Returns once the scheduler has come round; it takes long only where something is wrong.
+void glint_jobs_ping(glint_jobs *jobs);
+
 struct glint_jobs_stats {
     uint32_t by_state[6];
     uint64_t submitted, slices;
