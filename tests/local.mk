@@ -128,7 +128,8 @@ tests_stability_test_rays_SOURCES = tests/stability/test_rays.c $(stable)
 tests_stability_test_texture_SOURCES = tests/stability/test_texture.c $(stable)
 
 # Measurements: built and run by name.
-EXTRA_PROGRAMS += tests/bench/embree_share tests/bench/exr_tile tests/bench/memory tests/bench/million_scene
+EXTRA_PROGRAMS += tests/bench/embree_share tests/bench/exr_tile tests/bench/memory tests/bench/million_scene \
+	tests/bench/stream_load
 tests_bench_embree_share_SOURCES = tests/bench/embree_share.c tests/bench/bench.c \
 	tests/bench/bench.h $(offline)
 tests_bench_embree_share_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_geometry_trace_wave \
@@ -204,7 +205,7 @@ SCRIPT_TESTS = \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
-dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/bench/run tests/bench/update_latency tests/bench/vectorised
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/bench/run tests/bench/stream tests/bench/update_latency tests/bench/vectorised
 dist_check_DATA += tests/clients/cli.py tests/clients/fake_daemon.py tests/http/daemon.py \
 	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/density.h tests/kernel/surface.h \
 	tests/render/cryptomatte.py tests/render/cryptomatte_node.py \
