@@ -49,9 +49,36 @@ glint_demo_scene_LDADD = $(CJSON_LIBS) -lm
 
 # The viewer: plain files that glintd carries and serves as they are.
 web_sources = \
+	clients/web/api.js \
+	clients/web/camera.js \
+	clients/web/curve.js \
+	clients/web/display-2d.js \
+	clients/web/display-gl.js \
+	clients/web/dom.js \
+	clients/web/exr.js \
+	clients/web/format.js \
+	clients/web/half.js \
+	clients/web/icon.svg \
 	clients/web/index.html \
+	clients/web/job-form.js \
+	clients/web/job-panel.js \
+	clients/web/jobs.js \
+	clients/web/keys.js \
 	clients/web/main.js \
-	clients/web/style.css
+	clients/web/mattes.js \
+	clients/web/multipart.js \
+	clients/web/outputs.js \
+	clients/web/picture.js \
+	clients/web/plan.js \
+	clients/web/problems.js \
+	clients/web/recolour.js \
+	clients/web/scenes.js \
+	clients/web/session.js \
+	clients/web/style.css \
+	clients/web/tiles-worker.js \
+	clients/web/tone.js \
+	clients/web/upload.js \
+	clients/web/viewport.js
 EXTRA_DIST += $(web_sources)
 
 clients/web/embedded.c: $(web_sources) build-aux/embed.awk

@@ -1,0 +1,91 @@
+// The convergence plot: error over samples, both logarithmic, with where it is to end.
+import { getJson, jobPath } from "./api.js";
+import { h } from "./dom.js";
+import { count, number, seconds, short } from "./format.js";
+import { describeProblem } from "./problems.js";
+
+const W = 310, H = 230, LEFT = 44, RIGHT = 10, TOP = 12, BOTTOM = 30;
+
+function scale(values, from, to) {
+    const low = Math.log10(Math.min(...values)), high = Math.log10(Math.max(...values));
+    const span = Math.max(high - low, 0.5), middle = (low + high) / 2;
+    const [a, b] = [middle - span * 0.54, middle + span * 0.54];
+    const at = (v) => from + ((Math.log10(v) - a) / (b - a)) * (to - from);
+    return { at, low: 10 ** a, high: 10 ** b };
+}
+
+// 1, 2, 5 of each decade, fewer where that is too many.
+function ticks({ low, high }) {
+    const all = [];
+    for (let e = Math.floor(Math.log10(low)); 10 ** e <= high; e++)
+        for (const m of [1, 2, 5]) if (m * 10 ** e >= low && m * 10 ** e <= high) all.push(m * 10 ** e);
+    const ones = all.filter((v) => /^1(\.0+)?e/.test(v.toExponential()));
+    return all.length > 7 && ones.length > 2 ? ones : all;
+}
+
+const tick = (v) => (v >= 1 ? short(v) : v.toPrecision(1));
+
+function axes(x, y) {
+    return [
+        ...ticks(x).map((v) => h("g", {}, h("line.grid", { x1: x.at(v), x2: x.at(v), y1: TOP, y2: H - BOTTOM }),
+            h("text", { x: x.at(v), y: H - BOTTOM + 13, "text-anchor": "middle" }, tick(v)))),
+        ...ticks(y).map((v) => h("g", {}, h("line.grid", { x1: LEFT, x2: W - RIGHT, y1: y.at(v), y2: y.at(v) }),
+            h("text", { x: LEFT - 5, y: y.at(v) + 3.5, "text-anchor": "end" }, tick(v)))),
+        h("path.axis", { d: `M${LEFT} ${TOP}V${H - BOTTOM}H${W - RIGHT}`, fill: "none" }),
+        h("text", { x: (LEFT + W - RIGHT) / 2, y: H - 2, "text-anchor": "middle" }, "samples per pixel"),
+    ];
+}
+
+function plot(points, { requested_error: wanted, predicted_samples: predicted }) {
+    const last = points.at(-1), aim = wanted && predicted ? { samples: predicted, error: wanted } : null;
+    const xs = points.map((p) => p.samples), ys = points.map((p) => p.error);
+    const x = scale(aim ? [...xs, aim.samples] : xs, LEFT, W - RIGHT);
+    const y = scale(wanted ? [...ys, wanted] : ys, H - BOTTOM, TOP);
+    const to = (p) => `${x.at(p.samples).toFixed(1)} ${y.at(p.error).toFixed(1)}`;
+    const ideal = { samples: x.high, error: last.error * Math.sqrt(last.samples / x.high) };
+    const summary = `Error ${number(last.error)} after ${count(last.samples)} samples` +
+        (aim ? `; ${number(wanted)} predicted at ${count(predicted)} samples` : "");
+    return h("svg.plot", { viewBox: `0 0 ${W} ${H}`, role: "img", "aria-label": summary },
+        axes(x, y),
+        ideal.error > y.low ? h("path.ideal", { d: `M${to(last)}L${to(ideal)}`, fill: "none" }) : null,
+        wanted ? h("line.target", { x1: LEFT, x2: W - RIGHT, y1: y.at(wanted), y2: y.at(wanted) }) : null,
+        h("path.curve", { d: `M${points.map(to).join("L")}` }),
+        points.map((p) => h("circle.dot", { cx: x.at(p.samples), cy: y.at(p.error), r: 2.6 })),
+        aim ? h("circle.aim", { cx: x.at(aim.samples), cy: y.at(aim.error), r: 5 }) : null);
+}
+
+function table(curve) {
+    return h("table", {}, h("thead", {}, h("tr", {}, ["samples", "error", "time", "rays"].map((t) =>
+        h("th", { scope: "col" }, t)))),
+    h("tbody", {}, curve.map((p) => h("tr", {}, h("td", {}, count(p.samples)),
+        h("td", {}, p.error === null ? "–" : number(p.error)), h("td", {}, seconds(p.seconds)),
+        h("td", {}, short(p.rays ?? 0))))));
+}
+
+function draw(data) {
+    const now = { samples: data.samples, error: data.error };
+    const points = data.curve.filter((p) => p.error > 0 && p.samples > 0);
+    if (now.error > 0 && now.samples > (points.at(-1)?.samples ?? 0)) points.push(now);
+    const words = [data.error > 0 ? `Error ${number(data.error)} after ${count(data.samples)} samples.` : null,
+        data.requested_error ? `Wanted: ${number(data.requested_error)}.` : null,
+        data.requested_error && data.predicted_samples ? `Predicted at ${count(data.predicted_samples)} samples.` : null];
+    return [
+        points.length > 1 ? plot(points, data) : h("p.hint", {}, "There is a curve from four samples on."),
+        h("p.hint", {}, words.filter(Boolean).join(" ")),
+        points.length > 1 ? h("p.hint", {}, "Dotted: one over the square root of the samples.") : null,
+        data.curve.length ? table(data.curve) : null,
+    ].filter(Boolean);
+}
+
+export async function showCurve(panel, job) {
+    if (!job) {
+        panel.replaceChildren(h("p.hint", {}, "No job is chosen."));
+        return;
+    }
+    try {
+        panel.replaceChildren(...draw(await getJson(jobPath(job.id, "/convergence"))));
+    } catch (error) {
+        panel.replaceChildren(...(error.status === 503 ? [h("p.hint", {}, "The job has not been prepared yet.")]
+            : describeProblem(error)));
+    }
+}

@@ -1,0 +1,224 @@
+// The mattes of the chosen job: names with what they cover, picking, the overlay, another colour.
+import { getBytes, getJson, jobPath } from "./api.js";
+import { bar, h, id, put, Rows, say } from "./dom.js";
+import { readExr } from "./exr.js";
+import { count, percent } from "./format.js";
+import { fromHalf } from "./half.js";
+import { readFrame } from "./outputs.js";
+import { SHOW } from "./picture.js";
+import { showProblem } from "./problems.js";
+import { makeTransform, meanOfPicture, meanUnder } from "./recolour.js";
+import { linear } from "./tone.js";
+
+const LAYERS = ["object", "material", "asset"];
+const MAX_NAMES = 36; // of one request
+const AGAIN = 1500; // milliseconds between looks at a job that renders
+
+export class Mattes {
+    constructor(picture, redraw) {
+        Object.assign(this, { picture, redraw, job: null, names: [], chosen: new Set(), serial: 0 });
+        this.rows = new Rows(id("matte-names"), (n) => n.name, (n) => this.#row(n));
+        id("matte-layer").addEventListener("change", () => this.#layerChanged());
+        id("matte-find").addEventListener("input", () => this.#showNames());
+        for (const name of ["matte-show", "recolour", "recolour-colour"])
+            id(name).addEventListener("input", () => this.#looks());
+    }
+
+    get layer() {
+        return id("matte-layer").value;
+    }
+
+    open(job) {
+        const layers = job ? LAYERS.filter((l) => job.job.outputs?.includes(`crypto_${l}`)) : [];
+        this.close();
+        this.job = layers.length ? job : null;
+        id("mattes").hidden = !layers.length;
+        put(id("no-mattes"), job ? "This job has no mattes among its outputs." : "No job with mattes is chosen.");
+        id("no-mattes").hidden = layers.length > 0;
+        id("matte-layer").replaceChildren(...layers.map((l) => h("option", {}, l)));
+        this.refresh(true);
+    }
+
+    close() {
+        this.job = null;
+        this.names = [];
+        this.total = 0;
+        this.chosen.clear();
+        this.old = null;
+        this.serial++;
+        this.rows.show([]);
+        this.#applyMask(null);
+    }
+
+    // The pixels have changed: names and matte are looked at again, not more often than is useful.
+    refresh(now = false) {
+        if (!this.job || (this.timer && !now)) return;
+        clearTimeout(this.timer);
+        this.timer = setTimeout(async () => {
+            this.timer = null;
+            await Promise.all([this.#loadNames(), this.#loadMask()]);
+        }, now ? 0 : AGAIN);
+    }
+
+    async #loadNames() {
+        const { job, layer, serial } = this;
+        if (!job || id("panel-mattes").hidden) return;
+        try {
+            const { layers } = await getJson(jobPath(job.id, `/mattes?layer=${layer}`));
+            if (serial !== this.serial) return;
+            this.names = layers[layer].names.sort((a, b) => b.coverage - a.coverage || (a.name < b.name ? -1 : 1));
+            this.lost = layers[layer].lost;
+            this.#showNames();
+        } catch (error) {
+            if (error.status !== 503 && error.status !== 404) showProblem("The names were not read", error);
+        }
+    }
+
+    #showNames() {
+        const wanted = id("matte-find").value.toLowerCase();
+        const [w, d] = this.job?.job.resolution ?? [1, 1];
+        this.pixels = w * d;
+        const named = new Map(this.names.map((n) => [n.name, n])); // equal names are one matte
+        this.rows.show([...named.values()].filter((n) => n.name.toLowerCase().includes(wanted)));
+    }
+
+    #row({ name }) {
+        const box = h("input", { type: "checkbox", onchange: () => this.choose(name, true) });
+        const much = h("span.much", {}), bars = h("div.bars", {});
+        const element = h("li", {}, h("label", {}, box, h("span.name", { title: name }, name), much, bars));
+        const update = (n) => {
+            const share = n.coverage / this.pixels;
+            box.checked = this.chosen.has(name);
+            put(much, share ? percent(share, share < 0.01 ? 2 : 1) : "–");
+            if (bars.dataset.share !== String(share)) bars.replaceChildren(bar(share));
+            bars.dataset.share = share;
+        };
+        return { element, update };
+    }
+
+    // Toggles one of several, or chooses it alone.
+    choose(name, several) {
+        if (!several) {
+            const alone = this.chosen.size === 1 && this.chosen.has(name);
+            this.chosen.clear();
+            if (!alone) this.chosen.add(name);
+        } else if (!this.chosen.delete(name)) {
+            if (this.chosen.size < MAX_NAMES) this.chosen.add(name);
+        }
+        this.old = null;
+        this.#showNames();
+        this.#loadMask();
+        this.#tell();
+    }
+
+    clear() {
+        this.chosen.clear();
+        this.#showNames();
+        this.#loadMask();
+        this.#tell();
+    }
+
+    #tell() {
+        const text = this.chosen.size ? `Chosen: ${[...this.chosen].join(", ")}`
+            : "Click a thing in the picture, or choose names here.";
+        put(id("matte-selection"), text);
+        id("save-matte").disabled = !this.chosen.size;
+    }
+
+    #layerChanged() {
+        this.chosen.clear();
+        this.names = [];
+        this.old = null;
+        this.refresh(true);
+        this.#tell();
+    }
+
+    // What is under a pixel, by every layer of the job; chooses it in the layer that is shown.
+    async pick(x, y, several) {
+        if (!this.job) return null;
+        try {
+            const { primary } = await getJson(jobPath(this.job.id, `/pick?x=${x}&y=${y}`));
+            const found = primary[this.layer]?.[0];
+            if (found) this.choose(found.name, several);
+            else if (!several) this.clear();
+            const words = LAYERS.filter((l) => primary[l]?.length)
+                .map((l) => `${l} ${primary[l][0].name} ${percent(primary[l][0].coverage)}`);
+            say(words.length ? `Pixel ${x}, ${y}: ${words.join(", ")}` : `Pixel ${x}, ${y}: nothing`);
+            return primary;
+        } catch (error) {
+            showProblem("Nothing was picked", error);
+            return null;
+        }
+    }
+
+    query() {
+        return [...this.chosen].map((n) => `&name=${encodeURIComponent(n)}`).join("");
+    }
+
+    async #loadMask() {
+        const { job } = this, serial = ++this.serial;
+        if (!job || !this.chosen.size) {
+            this.#applyMask(null);
+            return;
+        }
+        try {
+            const path = jobPath(job.id, `/matte.exr?layer=${this.layer}${this.query()}`);
+            const exr = await readExr(new Uint8Array(await getBytes(path)));
+            if (serial !== this.serial) return;
+            this.#applyMask(this.#spread(exr));
+            await this.#findOld(serial);
+        } catch (error) {
+            if (error.status !== 503 && error.status !== 404) showProblem("The matte was not read", error);
+        }
+    }
+
+    // The data window's coverage as bytes of the whole picture.
+    #spread({ x, y, width, height, channels: { A } }) {
+        const { width: w, height: d } = this.picture, out = new Uint8Array(w * d);
+        const value = A instanceof Uint16Array ? (v) => fromHalf[v] : (v) => v;
+        for (let row = 0; row < height; row++)
+            for (let column = 0; column < width; column++)
+                out[(y + row) * w + x + column] =
+                    Math.round(255 * Math.min(1, Math.max(0, value(A[row * width + column]))));
+        return out;
+    }
+
+    #applyMask(mask) {
+        this.picture.setMask(mask);
+        this.#looks();
+    }
+
+    // The colour that is there now: of the albedo where the job has one.
+    async #findOld(serial) {
+        if (!id("recolour").checked || !this.job.job.outputs.includes("albedo")) return;
+        const { x, y, width, height, channels } = await readFrame(this.job.id, "albedo");
+        const { mask, width: w } = this.picture, planes = ["R", "G", "B"].map((c) => channels[`albedo.${c}`]);
+        if (serial !== this.serial || !mask) return;
+        const value = planes[0] instanceof Uint16Array ? (v) => fromHalf[v] : (v) => v;
+        this.old = meanUnder(mask, (i) => {
+            const at = (Math.floor(i / w) - y) * width + (i % w) - x;
+            return i % w >= x && i % w < x + width && at >= 0 && at < width * height
+                ? planes.map((p) => value(p[at])) : [NaN, NaN, NaN];
+        });
+        this.#looks();
+    }
+
+    #looks() {
+        const { picture } = this, { looks, mask } = picture;
+        looks.show = SHOW.indexOf(document.querySelector("[name=matte-show]:checked").value);
+        looks.change = null;
+        if (id("recolour").checked && mask && this.job) {
+            const colour = linear(id("recolour-colour").value);
+            if (looks.show === 1) looks.show = 0; // a tint over it would hide the colour
+            const usesAlbedo = this.job.job.outputs.includes("albedo");
+            if (usesAlbedo && !this.old) this.#findOld(this.serial).catch(() => {});
+            looks.change = usesAlbedo && this.old ? makeTransform(this.old, colour, false)
+                : makeTransform(meanOfPicture(mask, picture.values), colour, true);
+        }
+        this.redraw();
+    }
+
+    get covered() {
+        return count(this.names.filter((n) => this.chosen.has(n.name)).reduce((sum, n) => sum + n.coverage, 0));
+    }
+}
