@@ -84,6 +84,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/plan.c \
 	daemon/http/range.c \
 	daemon/http/range.h \
+	daemon/http/record.c \
+	daemon/http/record.h \
 	daemon/http/request.c \
 	daemon/http/request.h \
 	daemon/http/resources.h \

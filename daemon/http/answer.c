@@ -17,6 +17,7 @@ void glint_answer_response(struct glint_request *r, int status, struct MHD_Respo
         MHD_destroy_response(r->response);
     r->response = response;
     r->status = status;
+    r->sent = 0;
     if (!response) { // nothing can be said about it without memory
         r->status = glint_status_http(GLINT_E_NOMEM);
         r->response = MHD_create_response_from_buffer(0, NULL, MHD_RESPMEM_PERSISTENT);
@@ -46,8 +47,10 @@ static void answer_owned(struct glint_request *r, int status, const char *type, 
     if (!response)
         free(text);
     glint_answer_response(r, status, response);
-    if (response)
-        glint_answer_header(r, "Content-Type", "%s", type);
+    if (!response)
+        return;
+    r->sent = r->head ? 0 : length;
+    glint_answer_header(r, "Content-Type", "%s", type);
 }
 
 void glint_answer_text(struct glint_request *r, int status, const char *type, const char *text,
@@ -101,6 +104,7 @@ static void answer_part(struct glint_request *r, int status, struct glint_blob *
     if (!response)
         glint_blob_release(&blob);
     glint_answer_response(r, status, response);
+    r->sent = response && !r->head ? part.length : 0;
 }
 
 static struct glint_range choose_part(struct glint_request *r, int *status,

@@ -1,8 +1,8 @@
 #include "http/dispatch.h"
 
 #include "base/clock.h"
-#include "base/log.h"
 #include "http/answer.h"
+#include "http/record.h"
 #include "http/routes.h"
 
 #include <assert.h>
@@ -13,7 +13,6 @@ static enum MHD_Result queue(struct glint_request *r)
 {
     if (r->close || glint_http_draining(r->http))
         glint_answer_header(r, "Connection", "close");
-    glint_metric_add(r->http->answers[r->status / 100], 1);
     return MHD_queue_response(r->connection, (unsigned)r->status, r->response);
 }
 
@@ -184,11 +183,7 @@ void glint_dispatch_completed(void *user, struct MHD_Connection *connection, voi
     *context = NULL;
     if (!r)
         return;
-    glint_log(GLINT_LOG_DEBUG, "http", NULL, r->id, "%s %s answered %d after %.3f s%s, trace %.32s",
-              r->route ? r->route->method : "?", r->route ? r->route->pattern : "?", r->status,
-              glint_now() - r->started,
-              code == MHD_REQUEST_TERMINATED_COMPLETED_OK ? "" : ", connection lost",
-              r->trace + GLINT_TRACE_ID);
+    glint_record_request(r, code == MHD_REQUEST_TERMINATED_COMPLETED_OK);
     glint_watch_deadline(h->watch, r->client, glint_http_limits(h).idle_seconds);
     glint_request_destroy(&r);
     pthread_mutex_lock(&h->mutex);

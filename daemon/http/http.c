@@ -6,6 +6,7 @@
 #include "http/dispatch.h"
 #include "http/events.h"
 #include "http/frames.h"
+#include "http/record.h"
 #include "http/stream.h"
 
 #include <assert.h>
@@ -168,13 +169,7 @@ static void refresh_metrics(void *user)
 
 static void start_metrics(glint_http *h)
 {
-    static const char *const class[] = {"", "1xx", "2xx", "3xx", "4xx", "5xx"};
     glint_metrics *m = h->metrics;
-    for (int i = 1; i < 6; i++) {
-        const struct glint_label label = {"status", class[i]};
-        h->answers[i] = glint_metrics_counter(m, "http_answers_total",
-                                              "Answers by class of status.", &label, 1);
-    }
     h->received =
         glint_metrics_counter(m, "http_received_bytes_total", "Bytes of request bodies.", NULL, 0);
     h->open_connections = glint_metrics_gauge(m, "http_connections", "Open connections.", NULL, 0);
@@ -233,6 +228,8 @@ glint_status glint_http_create(glint_http **out, const struct glint_http_params 
         st = glint_topics_create(&h->topics, err);
     if (!st)
         st = start_lanes(h, err);
+    if (!st)
+        st = glint_record_create(&h->record, h->metrics, err);
     if (!st)
         st = glint_watch_create(&h->watch, round_of_watch, h, err);
     if (!st) {
@@ -296,6 +293,7 @@ void glint_http_destroy(glint_http **http)
     glint_watch_destroy(&h->watch);
     glint_topics_destroy(&h->topics);
     glint_boards_destroy(&h->boards);
+    glint_record_destroy(&h->record);
     glint_frames_destroy(&h->frames);
     pthread_cond_destroy(&h->changed);
     pthread_mutex_destroy(&h->mutex);

@@ -88,6 +88,7 @@ void glint_http_jobs_post(struct glint_request *r)
         glint_answer_error(r, &err);
         return;
     }
+    strcpy(r->job, id);
     answer_job(r, MHD_HTTP_ACCEPTED, id);
     if (repeated)
         glint_answer_header(r, "Idempotent-Replayed", "true");

@@ -57,8 +57,9 @@ struct glint_request {
     enum glint_scope scope; // what he may
     bool head;
 
-    char *url;  // as it came, without the query; NULL without memory
-    char *path; // cut into decoded segments
+    char method[12]; // as it came, cut
+    char *url;       // as it came, without the query; NULL without memory
+    char *path;      // cut into decoded segments
     char *segment[GLINT_MAX_SEGMENTS];
     size_t segments;
     const char *argument[GLINT_MAX_ARGUMENTS]; // segments that stand for {}
@@ -71,7 +72,10 @@ struct glint_request {
 
     int status; // of the answer, 0: none yet
     struct MHD_Response *response;
-    bool close; // the connection, after the answer
+    bool close;                   // the connection, after the answer
+    uint64_t sent;                // bytes of the answer's body
+    bool streams;                 // the answer goes on while its job changes
+    char job[GLINT_JOB_ID_BYTES]; // that the request has made, "": none
 
     bool park;        // until the job argument[0] has ended
     atomic_bool left; // the client, while parked; relaxed: only looked at again

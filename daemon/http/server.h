@@ -63,7 +63,7 @@ struct glint_http {
     bool stopping;      // no new suspensions
 
     glint_metrics *metrics;
-    glint_metric *answers[6]; // by class of status, [1..5]
+    struct glint_record *record;
     glint_metric *received, *open_connections, *open_streams;
 };
 

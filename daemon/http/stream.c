@@ -38,6 +38,7 @@ static size_t take_bytes(struct glint_stream *s, char *buffer, size_t size)
     const size_t left = s->part->size - s->sent, n = left < size ? left : size;
     memcpy(buffer, s->part->bytes + s->sent, n);
     s->sent += n;
+    *s->bytes += n;
     if (n == left) {
         glint_blob_release(&s->part);
         s->sent = 0;
@@ -192,6 +193,8 @@ void glint_stream_start(struct glint_request *r, struct glint_stream *stream, co
         end(stream);
         return;
     }
+    r->streams = true;
+    stream->bytes = &r->sent;
     glint_answer_header(r, "Content-Type", "%s", type);
     glint_answer_header(r, "Cache-Control", "no-store");
 }

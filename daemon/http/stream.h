@@ -24,6 +24,7 @@ struct glint_stream {
     glint_http *http;
     struct MHD_Connection *connection;
     uint64_t client;
+    uint64_t *bytes;                      // of the request: what was sent
     const void *source;                   // whose news it waits for
     struct glint_stream *next, *previous; // guarded by http->lists, least lately woken first
 
