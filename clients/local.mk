@@ -4,24 +4,34 @@ CLI_LIBS = libglintcli.a $(PROTOCOL_LIBS) $(CURL_LIBS)
 
 noinst_LIBRARIES += libglintcli.a
 libglintcli_a_SOURCES = \
+	clients/cli/adjust.c clients/cli/adjust.h \
 	clients/cli/bundle.c clients/cli/bundle.h \
 	clients/cli/client.c clients/cli/client.h \
 	clients/cli/cmd_get.c \
 	clients/cli/cmd_jobs.c \
 	clients/cli/cmd_mattes.c \
+	clients/cli/cmd_pick.c \
 	clients/cli/cmd_plan.c \
+	clients/cli/cmd_recolor.c \
 	clients/cli/cmd_render.c \
 	clients/cli/cmd_scenes.c \
+	clients/cli/cmd_top.c \
 	clients/cli/cmd_update.c \
 	clients/cli/command.h \
 	clients/cli/download.c clients/cli/download.h \
 	clients/cli/follow.c clients/cli/follow.h \
+	clients/cli/house.c clients/cli/house.h \
+	clients/cli/image_file.c clients/cli/image_file.h \
 	clients/cli/interrupt.c clients/cli/interrupt.h \
+	clients/cli/memory_file.c clients/cli/memory_file.h \
 	clients/cli/options.c clients/cli/options.h \
 	clients/cli/order.c clients/cli/order.h \
 	clients/cli/output.c clients/cli/output.h \
+	clients/cli/pixel.c clients/cli/pixel.h \
 	clients/cli/problem.c clients/cli/problem.h \
 	clients/cli/progress.c clients/cli/progress.h \
+	clients/cli/recolour.c clients/cli/recolour.h \
+	clients/cli/screen.c clients/cli/screen.h \
 	clients/cli/session.c clients/cli/session.h \
 	clients/cli/spawn.c clients/cli/spawn.h \
 	clients/cli/sse.c clients/cli/sse.h \

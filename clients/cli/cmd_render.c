@@ -1,4 +1,4 @@
-// cmd_render.c - render: a scene in, frames out, in one command.
+// cmd_render.c - render: a scene in, frames out, in one command; submit: its first half.
 #include "command.h"
 #include "download.h"
 #include "follow.h"
@@ -123,11 +123,11 @@ static glint_status wait_and_fetch(struct glint_session *s, const struct glint_o
     return status;
 }
 
-// A live job goes on by itself; all others are waited for.
+// A live job goes on by itself, and so does one that was only to be submitted.
 static glint_status see_through(struct glint_session *s, const struct glint_order *o, cJSON *job,
                                 struct glint_error *err)
 {
-    if (!o->live)
+    if (!o->detached)
         return wait_and_fetch(s, o, text_of(job, "id"), err);
     if (s->json) {
         glint_session_print(cJSON_Duplicate(job, true));
@@ -161,25 +161,37 @@ static glint_status render(struct glint_session *s, const struct glint_order *o,
     const glint_status stale = status ? GLINT_OK : check_revision(job, revision, err);
     if (!status)
         status = stale ? stale : see_through(s, o, job, err);
-    if (*id && (stale || (glint_interrupt_seen() && !o->live)))
+    if (*id && (stale || (glint_interrupt_seen() && !o->detached)))
         cancel(s, id);
     free(revision);
     cJSON_Delete(job);
     return status;
 }
 
-static glint_status run_render(struct glint_session *s, const struct glint_arguments *a,
-                               struct glint_error *err)
+static glint_status run(struct glint_session *s, const struct glint_arguments *a, bool detached,
+                        struct glint_error *err)
 {
-    struct glint_order order;
+    struct glint_order order = {.detached = detached};
     const bool spawn = !glint_options_flag(a, "no-spawn");
     glint_status status = glint_order_read(&order, s, a, err);
     if (!status) // a private daemon has no scenes yet, and ends with this command
-        status = glint_session_open(s, a, spawn && order.file && !order.live, err);
+        status = glint_session_open(s, a, spawn && order.file && !order.detached, err);
     if (!status)
         status = render(s, &order, err);
     glint_order_finish(&order);
     return status;
+}
+
+static glint_status run_render(struct glint_session *s, const struct glint_arguments *a,
+                               struct glint_error *err)
+{
+    return run(s, a, false, err);
+}
+
+static glint_status run_submit(struct glint_session *s, const struct glint_arguments *a,
+                               struct glint_error *err)
+{
+    return run(s, a, true, err);
 }
 
 const struct glint_command glint_command_render = {
@@ -192,4 +204,15 @@ const struct glint_command glint_command_render = {
     .options = glint_order_options,
     .most = 1,
     .run = run_render,
+};
+
+const struct glint_command glint_command_submit = {
+    .name = "submit",
+    .operands = "[SCENE]",
+    .summary = "Submit a job and print its id",
+    .detail = "As render, without waiting for the job: glint watch, jobs and get tell of it.\n"
+              "SCENE is a file, which is uploaded, or the name of a scene that the daemon has.",
+    .options = glint_order_options + GLINT_ORDER_DETACHED,
+    .most = 1,
+    .run = run_submit,
 };

@@ -1,7 +1,9 @@
-// cmd_update.c - update: edits a resident scene with a merge patch.
+// cmd_update.c - update: edits a resident scene with a merge patch, or changes a job.
+#include "adjust.h"
 #include "command.h"
 #include "interrupt.h"
 #include "problem.h"
+#include "table.h"
 #include "uri.h"
 
 #include <errno.h>
@@ -109,8 +111,8 @@ static void print_update(const cJSON *scene)
         printf("total: %.1f ms\n", total->valuedouble);
 }
 
-static glint_status run_update(struct glint_session *s, const struct glint_arguments *a,
-                               struct glint_error *err)
+static glint_status update_scene(struct glint_session *s, const struct glint_arguments *a,
+                                 struct glint_error *err)
 {
     struct glint_blob patch = {0};
     cJSON *scene = NULL;
@@ -131,20 +133,78 @@ static glint_status run_update(struct glint_session *s, const struct glint_argum
     return GLINT_OK;
 }
 
+static glint_status send_adjustment(struct glint_session *s, const char *job, const cJSON *patch,
+                                    cJSON **out, struct glint_error *err)
+{
+    char *text = cJSON_PrintUnformatted(patch), *path = glint_client_path("/v1/jobs/", job, "");
+    const struct glint_body body = {.type = "application/merge-patch+json",
+                                    .bytes = (const uint8_t *)text,
+                                    .size = text ? strlen(text) : 0};
+    const struct glint_request request = {.method = "PATCH", .path = path, .body = &body};
+    const glint_status status = text && path ? glint_client_json(s->client, &request, out, err)
+                                             : glint_fail(err, GLINT_E_NOMEM, "", "no memory");
+    free(text);
+    free(path);
+    return status;
+}
+
+static const struct glint_column job_columns[] = {
+    {"job", "id", GLINT_COLUMN_TEXT},
+    {"state", "state", GLINT_COLUMN_TEXT},
+    {"priority", "priority", GLINT_COLUMN_TEXT},
+    {"samples", "samples", GLINT_COLUMN_TEXT},
+    {"stops at", "target_samples", GLINT_COLUMN_TEXT},
+    {"seconds", "seconds", GLINT_COLUMN_SECONDS},
+    {0},
+};
+
+static glint_status update_job(struct glint_session *s, const struct glint_arguments *a,
+                               struct glint_error *err)
+{
+    cJSON *patch = NULL, *job = NULL;
+    glint_status status = glint_options_flag(a, "if-match")
+                              ? glint_session_usage(s, err, "--if-match is for scenes")
+                              : glint_adjust_read(s, a, &patch, err);
+    if (!status)
+        status = glint_session_open(s, a, false, err);
+    if (!status)
+        status = send_adjustment(s, a->text[0], patch, &job, err);
+    cJSON_Delete(patch);
+    if (status)
+        return status;
+    if (s->json)
+        glint_session_print(job);
+    else
+        glint_table_print_one(job_columns, job), cJSON_Delete(job);
+    return GLINT_OK;
+}
+
+static glint_status run_update(struct glint_session *s, const struct glint_arguments *a,
+                               struct glint_error *err)
+{
+    if (a->count == 1)
+        return update_job(s, a, err);
+    if (glint_adjust_is_meant(a))
+        return glint_session_usage(s, err, "a PATCH is for scenes, these options are for jobs");
+    return update_scene(s, a, err);
+}
+
 static const struct glint_option options[] = {
-    {"if-match", 0, "REVISION", "only if this is the scene's revision"},
+    {"if-match", 0, "REVISION", "of a scene: only if this is its revision"},
+    GLINT_ADJUST_OPTIONS,
     {0},
 };
 
 const struct glint_command glint_command_update = {
     .name = "update",
-    .operands = "SCENE PATCH",
-    .summary = "Edit a scene that the daemon has",
+    .operands = "SCENE PATCH | JOB",
+    .summary = "Edit a scene, or change what a job does",
     .detail = "PATCH is a file with a JSON merge patch of the scene's native form, or - for\n"
               "standard input. What was built anew for it is printed, what will be\n"
-              "when a job asks for it, and what was kept.",
+              "when a job asks for it, and what was kept.\n"
+              "Of a JOB the options say what changes; more samples continue a finished job.",
     .options = options,
-    .least = 2,
+    .least = 1,
     .most = 2,
     .run = run_update,
 };

@@ -106,6 +106,9 @@ const struct glint_option glint_order_options[] = {
     {"output", 'o', "FILE",
      "write the frame here, .exr or .png; may be repeated. A run of # in "
      "it is the frame's number"},
+    {"progress", 0, "STYLE", "auto, bar, plain, openjd or none"},
+    {"wait", 0, NULL, "return when the outputs are in place (it always does)"},
+    {"no-spawn", 0, NULL, "start no private daemon"},
     {"samples", 'n', "N", "stop at N samples per pixel"},
     {"seconds", 't', "S", "stop after S seconds of rendering"},
     {"error", 'e', "E", "stop at an estimated error of E"},
@@ -126,9 +129,6 @@ const struct glint_option glint_order_options[] = {
     {"scene-name", 0, "NAME", "what an uploaded scene is called (as its file)"},
     {"job", 0, "FILE", "start from this job, a JSON document; options override it"},
     {"idempotency-key", 0, "KEY", "the same key again gives the same job"},
-    {"progress", 0, "STYLE", "auto, bar, plain, openjd or none"},
-    {"wait", 0, NULL, "return when the outputs are in place (it always does)"},
-    {"no-spawn", 0, NULL, "start no private daemon"},
     {0},
 };
 
@@ -181,7 +181,7 @@ static glint_status read_scene(struct glint_order *o, struct glint_session *s,
     if (!scene)
         return cJSON_HasObjectItem(o->job, "scene")
                    ? GLINT_OK
-                   : glint_session_usage(s, err, "render wants a SCENE, or a job that names one");
+                   : glint_session_usage(s, err, "a SCENE is wanted, or a job that names one");
     if (stat(scene, &info) == 0 && !S_ISDIR(info.st_mode))
         o->file = scene;
     else if (strchr(scene, '/') || glint_upload_type(scene))
@@ -229,7 +229,7 @@ static glint_status read_outputs(struct glint_order *o, struct glint_session *s,
 {
     const char *pattern[GLINT_MAX_FILES + 1];
     const size_t count = glint_options_all(a, "output", pattern, GLINT_MAX_FILES + 1);
-    if (o->live)
+    if (o->detached)
         return !count ? GLINT_OK
                       : glint_session_usage(s, err,
                                             "a live job has no end at which %s could be "
@@ -250,6 +250,7 @@ glint_status glint_order_read(struct glint_order *out, struct glint_session *s,
                               const struct glint_arguments *a, struct glint_error *err)
 {
     const char *file = glint_options_text(a, "job");
+    const bool detached = out->detached;
     *out = (struct glint_order){.key = glint_options_text(a, "idempotency-key")};
     glint_status status = GLINT_OK;
     if (file)
@@ -260,7 +261,7 @@ glint_status glint_order_read(struct glint_order *out, struct glint_session *s,
         return status;
     if (glint_options_flag(a, "live"))
         set_member(out->job, NULL, "live", cJSON_CreateTrue());
-    out->live = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(out->job, "live"));
+    out->detached = detached || cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(out->job, "live"));
     if (!glint_progress_init(&s->progress, glint_options_text(a, "progress"), s->json))
         status = glint_session_usage(s, err, "--progress wants auto, bar, plain, openjd or none");
     glint_status (*const parts[])(struct glint_order *, struct glint_session *,

@@ -1,4 +1,4 @@
-// order.h - what `glint render` was asked for: the job's document, its scene, its files.
+// order.h - what `glint render` and `glint submit` were asked for: the job's document, its scene, its files.
 //
 // Thread-safety: one owner.
 #ifndef GLINT_CLI_ORDER_H
@@ -15,12 +15,15 @@ struct glint_order {
     char *output[GLINT_MAX_FILES]; // owned
     size_t outputs;
     const char *key; // Idempotency-Key, or NULL
-    bool live;       // the job has no end: there are no outputs
+    bool detached;   // nobody waits for the job: it is live, or was only to be submitted
 };
 
+// The options of a job whose frames are fetched; from [GLINT_ORDER_DETACHED] on those of a job that
+// is only submitted.
+#define GLINT_ORDER_DETACHED 4
 extern const struct glint_option glint_order_options[];
 
-// Reads the command line and the file of --job. What is wrong is a usage fault, each named;
+// Reads the command line and the file of --job; `detached` is set by the caller. What is wrong is a usage fault, each named;
 // outputs that cannot be written are GLINT_E_IO.
 glint_status glint_order_read(struct glint_order *out, struct glint_session *s,
                               const struct glint_arguments *a, struct glint_error *err);

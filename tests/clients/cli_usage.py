@@ -11,8 +11,10 @@ import cli
 import tap
 from fake_daemon import Answer, FakeDaemon, problem
 
-COMMANDS = {"put": ["x.glb"], "scenes": [], "update": ["s", "patch.json"], "render": ["x"], "jobs": [], "watch": ["j"],
-            "get": ["j"], "cancel": ["j"], "mattes": ["j"], "matte": ["j"], "plan": ["j"]}
+COMMANDS = {"put": ["x.glb"], "scenes": [], "update": ["s", "patch.json"], "render": ["x"],
+            "submit": ["x"], "jobs": [], "watch": ["j"], "top": [], "get": ["j"], "cancel": ["j"],
+            "mattes": ["j"], "matte": ["j"], "pick": ["j", "1", "2"], "recolor": ["j"],
+            "plan": ["j"]}
 
 
 def test_each_command_explains_itself():
@@ -57,6 +59,22 @@ def test_wrong_usage_exits_64_and_names_the_fault():
             (["matte", "j", "-o", "m.png"], "--name"),
             (["matte", "j", "-o", "m.png", "--name", "a", "--layer", "light"], "--layer"),
             (["watch", "j", "--progress", "loud"], "--progress"),
+            (["submit"], "SCENE"), (["submit", "x", "-o", "f.exr"], "-o"),
+            (["update", "j"], "--priority"), (["update", "j", "--pause", "--resume"], "--resume"),
+            (["update", "j", "--samples", "1.5"], "1.5"), (["update", "j", "--error", "x"], "'x'"),
+            (["update", "s", "p.json", "--pause"], "PATCH"),
+            (["update", "j", "--pause", "--if-match", "a"], "--if-match"),
+            (["pick", "j", "1"], "JOB X Y"), (["pick", "j", "1", "-2"], "-2"),
+            (["pick", "j", "x", "1"], "'x'"), (["pick", "j", "1", "2", "-l", "light"], "--layer"),
+            (["top", "-d", "0"], "--delay"), (["top", "-n", "0"], "--times"),
+            (["top", "j"], "'j'"),
+            (["recolor", "j", "-o", "a.exr", "-n", "a"], "--color"),
+            (["recolor", "j", "-o", "a.exr", "-c", "red", "-n", "a"], "'red'"),
+            (["recolor", "j", "-o", "a.exr", "-c", "#12345", "-n", "a"], "#12345"),
+            (["recolor", "j", "-o", "a.exr", "-c", "1,2", "-n", "a"], "1,2"),
+            (["recolor", "j", "-o", "a.exr", "-c", "1,2,-3", "-n", "a"], "-3"),
+            (["recolor", "j", "-o", "a.tif", "-c", "1,2,3", "-n", "a"], "a.tif"),
+            (["recolor", "j", "-o", "a.png", "-c", "#fff", "-n", "a", "--exposure", "99"], "99"),
             (["get", "j", "-o", "x.png", "--exposure", "bright"], "bright")]:
         run = cli.glint(*arguments)
         assert run.returncode == 64, (arguments, run)
@@ -72,6 +90,11 @@ def test_every_malformed_value_is_named_at_once():
         assert f"--{option} wants" in run.stderr
 
 
+def test_a_document_is_no_series_of_looks():
+    run = cli.glint("top", "--json", "-n", "2")
+    assert run.returncode == 64 and "--times" in json.loads(run.stdout)["detail"]
+
+
 def test_usage_faults_are_a_document_with_json():
     run = cli.glint("render", "--json", "--samples", "x")
     assert run.returncode == 64
@@ -81,6 +104,8 @@ def test_usage_faults_are_a_document_with_json():
 
 def test_silence_at_the_server_exits_69():
     more = {"put": ["scene.glb"], "render": ["scene.glb", "-o", "f.exr", "--no-spawn"],
+            "submit": ["scene.glb"],
+            "recolor": ["j", "-o", "f.exr", "--name", "a", "--color", "#fff"],
             "get": ["j", "-o", "f.exr"], "matte": ["j", "-o", "m.exr", "--name", "a"]}
     with cli.Silence() as server, tempfile.TemporaryDirectory() as folder:
         for name in ["scene.glb", "patch.json"]:
