@@ -119,6 +119,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/list.c \
 	daemon/jobs/look.c \
 	daemon/jobs/look.h \
+	daemon/jobs/need.c \
+	daemon/jobs/need.h \
 	daemon/jobs/patch.c \
 	daemon/jobs/patch.h \
 	daemon/jobs/scheduler.c \
@@ -126,10 +128,13 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/scheduler_parts.h \
 	daemon/jobs/state.c \
 	daemon/jobs/state.h \
+	daemon/jobs/stats.c \
 	daemon/jobs/table.c \
 	daemon/jobs/table.h \
 	daemon/jobs/turn.c \
 	daemon/jobs/turn.h \
+	daemon/jobs/use.c \
+	daemon/jobs/use.h \
 	daemon/render/archive.c \
 	daemon/render/camera.c \
 	daemon/render/effects.c \

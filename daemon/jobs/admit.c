@@ -132,6 +132,10 @@ static struct glint_entry *new_entry(const struct glint_job *job,
 
 static void fill(struct glint_entry *e, struct glint_job *job, glint_revision *revision)
 {
+    struct glint_resident_stats rest;
+    glint_resident_stats(glint_revision_resident(revision), &rest);
+    e->rest_bytes = rest.geometry_bytes + rest.bvh_bytes + rest.record_bytes + rest.texture_bytes +
+                    rest.light_bytes;
     e->job = job;
     e->revision = revision;
     e->state = GLINT_JOB_QUEUED;
@@ -141,22 +145,22 @@ static void fill(struct glint_entry *e, struct glint_job *job, glint_revision *r
     e->since = NAN;
     e->sequence = 1;
     e->submitted = glint_now();
-    e->film_bytes = glint_render_film_bytes(glint_revision_resident(revision), job);
     glint_utc(e->created);
     warn_of_mattes(e->warnings, glint_resident_scene(glint_revision_resident(revision)),
                    job->outputs);
 }
 
-glint_status glint_admit(struct glint_entry **out, glint_store *store, struct glint_job *job,
-                         const struct glint_submission *from, struct glint_error *err)
+glint_status glint_admit(struct glint_entry **out, glint_store *store, uint32_t workers,
+                         struct glint_job *job, const struct glint_submission *from,
+                         struct glint_error *err)
 {
     *out = NULL;
     glint_revision *revision = NULL;
     glint_status st = check_key(from->key, err);
     const glint_status found = find_scene(&revision, store, job->scene, err);
     st = st ? st : found;
+    struct glint_pose_request request;
     if (!st) {
-        struct glint_pose_request request;
         const struct glint_scene *scene = glint_resident_scene(glint_revision_resident(revision));
         st = glint_admit_camera(revision, job, err);
         const glint_status posed = glint_posed_request(&request, scene, job, err);
@@ -173,6 +177,7 @@ glint_status glint_admit(struct glint_entry **out, glint_store *store, struct gl
         return st;
     }
     fill(e, job, revision);
+    glint_need_estimate(&e->need, glint_revision_resident(revision), &request, job, workers);
     *out = e;
     return GLINT_OK;
 }

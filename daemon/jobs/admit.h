@@ -6,10 +6,11 @@
 
 #include "jobs/table.h"
 
-// An entry that no table has yet, with one reference, the scene's current revision pinned. Takes
+// workers: how many there are. An entry that no table has yet, with one reference, the scene's current revision pinned. Takes
 // `job` on success.
-glint_status glint_admit(struct glint_entry **out, glint_store *store, struct glint_job *job,
-                         const struct glint_submission *from, struct glint_error *err);
+glint_status glint_admit(struct glint_entry **out, glint_store *store, uint32_t workers,
+                         struct glint_job *job, const struct glint_submission *from,
+                         struct glint_error *err);
 
 // The camera that `job` names is in the revision.
 glint_status glint_admit_camera(const glint_revision *revision, const struct glint_job *job,

@@ -24,6 +24,22 @@ static struct glint_entry *repeated(glint_scheduler *s, const struct glint_entry
     return e->key ? glint_job_table_find_key(s->table, e->client, e->key) : NULL;
 }
 
+// What can never fit is refused: with nothing else there but its scene.
+static glint_status fits_alone(const glint_scheduler *s, const struct glint_entry *e,
+                               struct glint_error *err)
+{
+    const struct glint_need *need = &e->need;
+    const uint64_t limit = s->table->limits.memory_bytes;
+    if (need->film + need->scene + e->rest_bytes <= limit)
+        return GLINT_OK;
+    return glint_fail(err, GLINT_E_CAPACITY, "/resolution",
+                      "the job needs %.3g GiB of memory: %.3g for its film, %.3g for its scene, "
+                      "%.3g for the moment of it; all jobs and scenes may have %.3g",
+                      (double)(need->film + need->scene + e->rest_bytes) / GIB,
+                      (double)need->film / GIB, (double)e->rest_bytes / GIB,
+                      (double)need->scene / GIB, (double)limit / GIB);
+}
+
 static glint_status submit(glint_scheduler *s, struct glint_command *c)
 {
     struct glint_entry *known = repeated(s, c->entry);
@@ -33,13 +49,12 @@ static glint_status submit(glint_scheduler *s, struct glint_command *c)
     }
     if (s->stopping)
         return glint_fail(c->err, GLINT_E_BUSY, "", "the daemon is shutting down");
-    if (s->lives >= s->limits.live_jobs)
+    if (s->lives >= s->table->limits.live_jobs)
         return glint_fail(c->err, GLINT_E_BUSY, "", "%zu jobs wait or render already", s->lives);
-    if (c->entry->film_bytes > s->limits.memory_bytes)
-        return glint_fail(c->err, GLINT_E_CAPACITY, "/resolution",
-                          "the film needs %.3g GiB of memory, all films may have %.3g",
-                          (double)c->entry->film_bytes / GIB, (double)s->limits.memory_bytes / GIB);
-    c->gone = glint_job_table_trim(s->table, s->limits.ended_jobs);
+    const glint_status st = fits_alone(s, c->entry, c->err);
+    if (st)
+        return st;
+    c->gone = glint_job_table_trim(s->table, s->table->limits.ended_jobs);
     const bool entered = glint_turn_enter(&s->accounts, c->entry, c->entry->priority);
     if (!entered || !glint_job_table_add(s->table, c->entry)) {
         glint_turn_leave(&s->accounts, c->entry);
@@ -144,7 +159,7 @@ static void resume(glint_scheduler *s, struct glint_entry *e)
 static glint_status may_resume(const glint_scheduler *s, struct glint_entry *e,
                                const struct glint_job_stop *stop, struct glint_error *err)
 {
-    if (s->stopping || s->lives >= s->limits.live_jobs)
+    if (s->stopping || s->lives >= s->table->limits.live_jobs)
         return glint_fail(err, GLINT_E_BUSY, "", "no more jobs can render now");
     const glint_status st = has_time(e, stop) ? extend(e, stop, err) : GLINT_OK;
     if (st)
@@ -228,11 +243,13 @@ void glint_scheduler_limit(glint_scheduler *s, const struct glint_jobs_limits *l
     const struct glint_jobs_limits *l = limits ? limits : &defaults;
     const uint32_t lives =
         l->live_jobs && l->live_jobs < GLINT_MAX_LIVE_JOBS ? l->live_jobs : GLINT_MAX_LIVE_JOBS;
-    s->limits = (struct glint_jobs_limits){
-        .memory_bytes = l->memory_bytes ? l->memory_bytes : glint_memory_total() / 2,
+    pthread_mutex_lock(&s->table->mutex);
+    s->table->limits = (struct glint_jobs_limits){
+        .memory_bytes = l->memory_bytes ? l->memory_bytes : glint_memory_total() / 4 * 3,
         .live_jobs = lives,
         .ended_jobs = l->ended_jobs ? l->ended_jobs : GLINT_MAX_ENDED_JOBS,
         .side_by_side = l->side_by_side ? l->side_by_side : GLINT_MAX_FILMS};
+    pthread_mutex_unlock(&s->table->mutex);
     glint_scheduler_unblock(s);
 }
 

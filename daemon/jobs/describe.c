@@ -11,6 +11,7 @@
 // The shared fields of an entry at one moment.
 struct moment {
     enum glint_job_state state;
+    enum glint_wait wait;
     glint_render *render;
     int32_t priority;
     struct glint_job_stop stop;
@@ -27,6 +28,7 @@ static void look(struct glint_job_table *table, const struct glint_entry *e, str
     const double now = glint_now();
     pthread_mutex_lock(&table->mutex);
     *out = (struct moment){e->state,
+                           e->wait,
                            e->render,
                            e->priority,
                            e->stop,
@@ -134,6 +136,15 @@ static void add_warnings(cJSON *object, const struct glint_entry *e, const struc
     cJSON_AddItemToObject(object, "warnings", warnings);
 }
 
+static void add_wait(cJSON *object, const struct moment *m)
+{
+    const char *name = m->state == GLINT_JOB_QUEUED ? glint_wait_name(m->wait) : NULL;
+    if (name)
+        cJSON_AddStringToObject(object, "waits_for", name);
+    else
+        cJSON_AddNullToObject(object, "waits_for");
+}
+
 static cJSON *describe(const struct glint_entry *e, const struct moment *m)
 {
     cJSON *object = cJSON_CreateObject();
@@ -149,8 +160,10 @@ static cJSON *describe(const struct glint_entry *e, const struct moment *m)
     cJSON_AddStringToObject(object, "scene", e->job->scene);
     cJSON_AddStringToObject(object, "revision", m->revision);
     cJSON_AddStringToObject(object, "state", glint_job_state_name(m->state));
+    add_wait(object, m);
     cJSON_AddNumberToObject(object, "priority", m->priority);
     add_render(object, m);
+    cJSON_AddNumberToObject(object, "memory_bytes", (double)(e->need.film + e->need.scene));
     cJSON_AddStringToObject(object, "plan", plan);
     if (m->state == GLINT_JOB_FAILED) // from then on nobody changes the problem
         cJSON_AddItemToObject(object, "problem", glint_problem_object(&e->problem, NULL, NULL));

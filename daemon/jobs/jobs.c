@@ -38,7 +38,11 @@ glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_s
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the job table");
     jobs->store = store;
     jobs->keeper = keeper;
-    glint_job_table_init(&jobs->table);
+    if (!glint_job_table_init(&jobs->table, glint_devices_workers(devices))) {
+        glint_job_table_finish(&jobs->table);
+        free(jobs);
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the job table");
+    }
     const glint_status st =
         glint_scheduler_create(&jobs->scheduler, devices, store, &jobs->table, limits, err);
     if (st)
@@ -136,7 +140,7 @@ glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job,
     if (entry)
         return submit_again(entry, job, id, err);
 
-    glint_status st = glint_admit(&entry, jobs->store, job, from, err);
+    glint_status st = glint_admit(&entry, jobs->store, jobs->table.workers, job, from, err);
     if (st)
         return st;
     st = add(jobs, entry, id, repeated, err);
@@ -271,12 +275,10 @@ void glint_jobs_ping(glint_jobs *jobs)
 
 void glint_jobs_stats(glint_jobs *jobs, struct glint_jobs_stats *out)
 {
-    *out = (struct glint_jobs_stats){0};
-    pthread_mutex_lock(&jobs->table.mutex);
-    for (size_t i = 0; i < jobs->table.count; i++)
-        out->by_state[jobs->table.entry[i]->state]++;
-    out->submitted = jobs->table.submitted;
-    out->slices = jobs->table.slices;
-    out->worker_busy_seconds = jobs->table.busy_seconds;
-    pthread_mutex_unlock(&jobs->table.mutex);
+    glint_job_table_stats(&jobs->table, out);
+}
+
+uint32_t glint_jobs_workers(glint_jobs *jobs, struct glint_worker_use *out, uint32_t capacity)
+{
+    return glint_job_table_workers(&jobs->table, out, capacity);
 }

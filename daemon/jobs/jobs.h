@@ -34,9 +34,19 @@ const char *glint_job_state_name(enum glint_job_state state);
 
 #define GLINT_JOB_ID_BYTES 33
 
+// What a queued job waits for.
+enum glint_wait {
+    GLINT_WAIT_NONE,
+    GLINT_WAIT_TURN,        // others go first
+    GLINT_WAIT_PREPARATION, // its program and film are being made
+    GLINT_WAIT_MEMORY,      // others hold what it needs
+    GLINT_WAITS
+};
+const char *glint_wait_name(enum glint_wait wait); // NULL for none
+
 // What jobs may use. 0: the default of each. It may change at any time: what is there stays.
 struct glint_jobs_limits {
-    uint64_t memory_bytes; // of all films; half of the machine's memory
+    uint64_t memory_bytes; // of scenes, films and what jobs make of scenes; 3/4 of the machine's
     uint32_t live_jobs;    // queued, rendering or paused: 4096, and never more
     uint32_t ended_jobs;   // known after their end: 1000
     uint32_t side_by_side; // films of one priority or higher that get slices in turns: 8
@@ -69,7 +79,7 @@ struct glint_submission {
 // body of the same client answers the same id and sets *repeated, with another body it is
 // GLINT_E_RANGE. A key is good for a day and no longer than its job is known.
 //   GLINT_E_RANGE     no such scene, no such camera (pointers into the job); the key
-//   GLINT_E_CAPACITY  its film is larger than all films may be together
+//   GLINT_E_CAPACITY  it would not fit if it were alone with its scene
 //   GLINT_E_BUSY      too many jobs wait, or the daemon is shutting down
 glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job,
                                const struct glint_submission *from, char id[GLINT_JOB_ID_BYTES],
@@ -83,9 +93,9 @@ struct glint_jobs_filter {
     uint32_t limit;     // 0: none
 };
 
-// {"id","name","client","request","scene","revision","state","priority","samples",
-//  "target_samples","progress","error","seconds","eta_seconds","worker_seconds","rays":{...},"plan",
-//  "problem","warnings","created","job":{...}} and {"jobs": [...], "next": id or null} in order of submission; filter:
+// {"id","name","client","request","scene","revision","state","waits_for","priority","samples",
+//  "target_samples","progress","error","seconds","eta_seconds","worker_seconds","memory_bytes",
+//  "rays":{...},"plan","problem","warnings","created","job":{...}} and {"jobs": [...], "next": id or null} in order of submission; filter:
 // NULL: all; next: what to go on behind, when the limit has cut the list. Numbers not known yet are
 // null; "problem" is there when the job has failed; "request" where the submission had one.
 cJSON *glint_jobs_describe(glint_jobs *jobs, const char *id, struct glint_error *err);
@@ -127,9 +137,20 @@ void glint_jobs_ping(glint_jobs *jobs);
 
 struct glint_jobs_stats {
     uint32_t by_state[6];
+    uint32_t by_wait[GLINT_WAITS]; // of those that are queued
     uint64_t submitted, slices;
     double worker_busy_seconds;
+    uint64_t film_bytes, ended_film_bytes; // of jobs that have not ended and that have, with waves
+    struct glint_jobs_limits limits;       // none is 0
 };
 void glint_jobs_stats(glint_jobs *jobs, struct glint_jobs_stats *out);
+
+struct glint_worker_use {
+    double busy_seconds;          // since the start
+    double share;                 // busy in about the last second, 0..1
+    char job[GLINT_JOB_ID_BYTES]; // whose slice it runs, "": none
+};
+// Of the first `capacity` workers; returns how many there are.
+uint32_t glint_jobs_workers(glint_jobs *jobs, struct glint_worker_use *out, uint32_t capacity);
 
 #endif

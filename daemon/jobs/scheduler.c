@@ -72,7 +72,7 @@ void glint_scheduler_recall(glint_scheduler *s)
         while (glint_crew_recall(s->crew, w, &entry, &slice)) {
             glint_render_give_back(entry->render, &slice, false);
             entry->out--;
-            s->load[w]--;
+            s->load[w].orders--; // the last one: what runs stays
         }
 }
 
@@ -226,13 +226,20 @@ static void moved(glint_scheduler *s, struct glint_message *m)
     glint_entry_release(&m->entry);
 }
 
+// The first order is done; the one that the worker goes on with, or NULL.
+static const struct glint_entry *next_order(struct glint_load *load)
+{
+    load->orders--;
+    memmove(load->order, load->order + 1, load->orders * sizeof *load->order);
+    return load->orders ? load->order[0] : NULL;
+}
+
 static void returned(glint_scheduler *s, struct glint_message *m)
 {
     struct glint_entry *e = m->entry;
-    s->load[m->worker]--;
     e->out--;
     glint_render_give_back(e->render, &m->slice, !m->status);
-    glint_state_slice(s->table, e, m->seconds);
+    glint_state_slice(s->table, e, m->seconds, m->worker, next_order(&s->load[m->worker]));
     glint_turn_charge(e, m->seconds);
     s->pixels = true;
     s->news |= e->fresh > 0; // somebody waits for it
@@ -287,14 +294,24 @@ static void end_late(glint_scheduler *s)
     }
 }
 
+// What scenes leave of the memory.
+static uint64_t memory_for_films(const glint_scheduler *s)
+{
+    struct glint_store_stats scenes;
+    glint_store_stats(s->store, &scenes);
+    const uint64_t limit = s->table->limits.memory_bytes;
+    return limit > scenes.resident_bytes ? limit - scenes.resident_bytes : 0;
+}
+
 static void prepare_next(glint_scheduler *s)
 {
     struct glint_entry *e =
-        s->preparing ? NULL : glint_turn_prepare(s->live, s->lives, s->limits.side_by_side);
+        s->preparing ? NULL : glint_turn_prepare(s->live, s->lives, s->table->limits.side_by_side);
     if (!e)
         return;
     struct glint_entry *gone = NULL;
-    e->blocked = !glint_job_table_make_room(s->table, e->film_bytes, s->limits.memory_bytes, &gone);
+    e->blocked = !glint_job_table_make_room(s->table, e->need.film + e->need.scene,
+                                            memory_for_films(s), &gone);
     if (e->blocked)
         return;
     s->preparing = e->preparing = true;
@@ -316,9 +333,9 @@ static uint32_t idlest(const glint_scheduler *s)
 {
     uint32_t best = GLINT_NONE, load = GLINT_CREW_DEPTH;
     for (uint32_t w = 0; w < glint_crew_workers(s->crew); w++)
-        if (s->load[w] < load) {
+        if (s->load[w].orders < load) {
             best = w;
-            load = s->load[w];
+            load = s->load[w].orders;
         }
     return best;
 }
@@ -330,7 +347,10 @@ static void hand_out(glint_scheduler *s, uint32_t worker, struct glint_entry *e,
         glint_scheduler_enter(s, e, GLINT_JOB_RENDERING);
     e->began = true;
     e->out++;
-    s->load[worker]++;
+    struct glint_load *load = &s->load[worker];
+    load->order[load->orders++] = e;
+    if (load->orders == 1)
+        glint_state_work(s->table, e, worker);
     glint_crew_run(s->crew, worker, e, slice);
 }
 
@@ -359,6 +379,26 @@ static void fail_stuck(glint_scheduler *s)
         struct glint_error error = {0};
         glint_fail(&error, GLINT_E_INTERNAL, "", "samples are missing and no slice is left");
         fail(s, e, &error);
+    }
+}
+
+static enum glint_wait wait_of(const struct glint_entry *e)
+{
+    if (e->state != GLINT_JOB_QUEUED)
+        return GLINT_WAIT_NONE;
+    if (e->preparing)
+        return GLINT_WAIT_PREPARATION;
+    return e->blocked ? GLINT_WAIT_MEMORY : GLINT_WAIT_TURN;
+}
+
+static void note_waits(glint_scheduler *s)
+{
+    for (size_t i = 0; i < s->lives; i++) {
+        const enum glint_wait wait = wait_of(s->live[i]);
+        if (wait == s->live[i]->wait)
+            continue;
+        glint_state_wait(s->table, s->live[i], wait);
+        s->news = true;
     }
 }
 
@@ -394,6 +434,7 @@ static void *run(void *arg)
         move_next(s);
         dispatch(s);
         fail_stuck(s);
+        note_waits(s);
         tell(s);
     }
     return NULL;
@@ -406,13 +447,14 @@ glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *device
     *out = NULL;
     glint_scheduler *s = calloc(1, sizeof *s);
     const uint32_t workers = glint_devices_workers(devices);
-    uint32_t *load = calloc(workers, sizeof *load);
+    struct glint_load *load = calloc(workers, sizeof *load);
     if (!s || !load) {
         free(s);
         free(load);
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the scheduler");
     }
     s->table = table;
+    s->store = store;
     glint_scheduler_limit(s, limits);
     s->load = load;
     pthread_mutex_init(&s->mutex, NULL);

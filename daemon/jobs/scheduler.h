@@ -21,7 +21,7 @@ enum glint_command_kind {
     GLINT_COMMAND_SCENE,  // the scene `scene` has a new revision
     GLINT_COMMAND_WATCH,  // sets the callback
     GLINT_COMMAND_LIMITS, // sets `limits`
-    GLINT_COMMAND_PING, // nothing: that it is answered is the answer
+    GLINT_COMMAND_PING,   // nothing: that it is answered is the answer
     GLINT_COMMAND_STOP, // destroy's alone: cancels what lives, ends the thread once nothing is out
 };
 

@@ -8,19 +8,25 @@
 #include "jobs/crew.h"
 #include "jobs/scheduler.h"
 
+// Orders at a worker; the first one runs.
+struct glint_load {
+    struct glint_entry *order[GLINT_CREW_DEPTH];
+    uint32_t orders;
+};
+
 struct glint_scheduler {
     struct glint_job_table *table;
+    glint_store *store;
     glint_crew *crew;
     glint_queue *inbox;
     pthread_t thread;
     bool started;
 
     // the thread's
-    struct glint_jobs_limits limits;               // none is 0
     struct glint_entry *live[GLINT_MAX_LIVE_JOBS]; // not ended, in order of submission
     size_t lives;
     struct glint_account *accounts; // of those
-    uint32_t *load;                 // [workers] orders out
+    struct glint_load *load;        // [workers]
     bool preparing;                 // the preparer has an order
     bool moving;                    // the mover has one
     bool news;   // a state or description is another: `changed` is called at once

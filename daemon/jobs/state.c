@@ -15,6 +15,14 @@ const char *glint_job_state_name(enum glint_job_state state)
     return name[state];
 }
 
+const char *glint_wait_name(enum glint_wait wait)
+{
+    static const char *const name[GLINT_WAITS] = {[GLINT_WAIT_TURN] = "turn",
+                                                  [GLINT_WAIT_PREPARATION] = "preparation",
+                                                  [GLINT_WAIT_MEMORY] = "memory"};
+    return name[wait];
+}
+
 void glint_state_enter(struct glint_job_table *table, struct glint_entry *entry,
                        enum glint_job_state state)
 {
@@ -99,13 +107,35 @@ void glint_state_look(struct glint_job_table *table, struct glint_entry *entry,
     *look = old;
 }
 
-void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry, double seconds)
+void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry, double seconds,
+                       uint32_t worker, const struct glint_entry *next)
 {
+    const double now = glint_now();
     pthread_mutex_lock(&table->mutex);
     entry->worker_seconds += seconds;
     entry->sequence++;
     table->slices++;
     table->busy_seconds += seconds;
+    glint_use_add(&table->worker[worker], seconds);
+    glint_use_set(&table->worker[worker], next ? next->id : NULL, now);
+    pthread_mutex_unlock(&table->mutex);
+}
+
+void glint_state_work(struct glint_job_table *table, const struct glint_entry *entry,
+                      uint32_t worker)
+{
+    const double now = glint_now();
+    pthread_mutex_lock(&table->mutex);
+    glint_use_set(&table->worker[worker], entry->id, now);
+    pthread_mutex_unlock(&table->mutex);
+}
+
+void glint_state_wait(struct glint_job_table *table, struct glint_entry *entry,
+                      enum glint_wait wait)
+{
+    pthread_mutex_lock(&table->mutex);
+    entry->wait = wait;
+    entry->sequence++;
     pthread_mutex_unlock(&table->mutex);
 }
 

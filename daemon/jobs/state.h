@@ -39,9 +39,15 @@ void glint_state_trouble(struct glint_job_table *table, struct glint_entry *entr
 void glint_state_look(struct glint_job_table *table, struct glint_entry *entry,
                       struct glint_look **look);
 
-// Counts a slice that was run.
-void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry, double seconds);
+// Counts a slice that the worker has run; it runs one of `next` now, NULL: none.
+void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry, double seconds,
+                       uint32_t worker, const struct glint_entry *next);
+// The worker runs a slice of the entry.
+void glint_state_work(struct glint_job_table *table, const struct glint_entry *entry,
+                      uint32_t worker);
 
+void glint_state_wait(struct glint_job_table *table, struct glint_entry *entry,
+                      enum glint_wait wait);
 void glint_state_priority(struct glint_job_table *table, struct glint_entry *entry,
                           int32_t priority);
 void glint_state_stop(struct glint_job_table *table, struct glint_entry *entry,

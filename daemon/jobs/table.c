@@ -7,10 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-void glint_job_table_init(struct glint_job_table *table)
+bool glint_job_table_init(struct glint_job_table *table, uint32_t workers)
 {
     *table = (struct glint_job_table){0};
     pthread_mutex_init(&table->mutex, NULL);
+    table->worker = calloc(workers, sizeof *table->worker);
+    table->workers = table->worker ? workers : 0;
+    return table->worker;
 }
 
 void glint_job_table_finish(struct glint_job_table *table)
@@ -18,6 +21,7 @@ void glint_job_table_finish(struct glint_job_table *table)
     for (size_t i = 0; i < table->count; i++)
         glint_entry_release(&table->entry[i]);
     free(table->entry);
+    free(table->worker);
     pthread_mutex_destroy(&table->mutex);
 }
 
@@ -131,7 +135,7 @@ bool glint_job_table_make_room(struct glint_job_table *table, uint64_t wanted, u
     for (size_t i = 0; i < table->count; i++) {
         const struct glint_entry *e = table->entry[i];
         if (e->render)
-            *(glint_state_ended(e->state) ? &ended : &live) += e->film_bytes;
+            *(glint_state_ended(e->state) ? &ended : &live) += e->need.film;
     }
     if (live > limit)
         return false;
@@ -141,7 +145,7 @@ bool glint_job_table_make_room(struct glint_job_table *table, uint64_t wanted, u
             i++;
             continue;
         }
-        ended -= e->film_bytes;
+        ended -= e->need.film;
         take_out(table, e, gone);
     }
     return true;

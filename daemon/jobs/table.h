@@ -14,6 +14,8 @@
 
 #include "jobs/jobs.h"
 #include "jobs/look.h"
+#include "jobs/need.h"
+#include "jobs/use.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -36,7 +38,8 @@ struct glint_entry {
     cJSON *warnings; // array of strings
     char created[32];
     double submitted; // glint_now()
-    uint64_t film_bytes;
+    struct glint_need need;
+    uint64_t rest_bytes; // of the scene at rest
 
     // shared
     enum glint_job_state state;
@@ -46,6 +49,7 @@ struct glint_entry {
     glint_render *render;     // NULL until prepared
     struct glint_error problem;
     int32_t priority;
+    enum glint_wait wait;
     struct glint_job_stop stop; // as it is now; that of `job` is as submitted
     double render_seconds;      // of rendering, up to `since`
     double since;               // glint_now() from which it is rendering, NAN: not now, or it idles
@@ -81,9 +85,13 @@ struct glint_job_table {
     size_t count, capacity;
     uint64_t submitted, slices;
     double busy_seconds;
+    struct glint_jobs_limits limits; // none is 0
+    struct glint_use *worker;        // [workers]
+    uint32_t workers;
 };
 
-void glint_job_table_init(struct glint_job_table *table);
+// False without memory.
+bool glint_job_table_init(struct glint_job_table *table, uint32_t workers);
 void glint_job_table_finish(struct glint_job_table *table); // drops every reference
 
 // Retained, or NULL with GLINT_E_NOT_FOUND in *err.
@@ -104,10 +112,15 @@ void glint_job_table_remove(struct glint_job_table *table, struct glint_entry *e
 struct glint_entry *glint_job_table_trim(struct glint_job_table *table, size_t most);
 
 // Scheduler only: takes as many of the oldest ended jobs out as hold the film that is too much for
-// `wanted` more within `limit`. False, and nothing done, where that cannot be enough. No film may
+// `wanted` bytes more within `limit` for all films. False, and nothing done, where that cannot be enough. No film may
 // be in preparation: it is not counted.
 bool glint_job_table_make_room(struct glint_job_table *table, uint64_t wanted, uint64_t limit,
                                struct glint_entry **gone);
+
+// As glint_jobs_stats() and glint_jobs_workers().
+void glint_job_table_stats(struct glint_job_table *table, struct glint_jobs_stats *out);
+uint32_t glint_job_table_workers(struct glint_job_table *table, struct glint_worker_use *out,
+                                 uint32_t capacity);
 
 static inline bool glint_state_ended(enum glint_job_state state)
 {

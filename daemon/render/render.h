@@ -33,6 +33,9 @@ struct glint_slice {
 // the scene.
 uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struct glint_job *job);
 
+// Bytes beside the film, while it renders: a wave for each worker.
+uint64_t glint_render_wave_bytes(uint32_t workers);
+
 // Compiles the job's program variant and allocates its film. Retains `scene`. pose: the one
 // that `scene` was made with, which lives as long as it; NULL: everything as the scene has it.
 //   GLINT_E_RANGE     the camera is not in the scene, ... (pointers into the job)

@@ -1,7 +1,9 @@
 // size.c - what a film will need, before anything is compiled or allocated.
 #include "kernels/gk_film.h"
+#include "kernels/gk_wave.h"
 #include "render/plan.h"
 #include "render/render.h"
+#include "render/wave.h"
 
 #include <string.h>
 
@@ -20,6 +22,11 @@ static const struct glint_camera *camera_of(const struct glint_scene *scene,
 static uint64_t padded(uint32_t pixels)
 {
     return ((uint64_t)pixels + GK_TILE_SIDE - 1) / GK_TILE_SIDE * GK_TILE_SIDE;
+}
+
+uint64_t glint_render_wave_bytes(uint32_t workers)
+{
+    return (uint64_t)workers * GLINT_WAVE_LANES * (GK_COLUMNS + 1) * 4;
 }
 
 uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struct glint_job *job)

@@ -305,6 +305,12 @@ uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struc
     return (uint64_t)job->width * job->height;
 }
 
+uint64_t glint_render_wave_bytes(uint32_t workers)
+{
+    (void)workers;
+    return 0;
+}
+
 glint_status glint_render_create(glint_render **out, struct glint_devices *d,
                                  struct glint_resident *scene, const struct glint_pose *pose,
                                  const struct glint_job *job, struct glint_error *err)

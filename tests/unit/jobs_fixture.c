@@ -14,6 +14,8 @@
 #include <cmocka.h>
 
 #define PATIENCE 20 // seconds
+// Of the stand-in scene, and of the structure that a job makes of it: 160 for each triangle.
+#define SCENE_BYTES (1500 + 24 * 160 - 200)
 
 static const char scene[] =
     "{\"cameras\": {\"c\": {\"name\": \"Front\", \"yfov\": 0.5}}, \"materials\": {\"m\": {}},"
@@ -55,7 +57,7 @@ void fixture_start_within(struct fixture *f, uint32_t workers, uint64_t film_byt
                                      NULL, &revision, &created, NULL),
                      GLINT_OK);
     glint_revision_release(&revision);
-    const struct glint_jobs_limits within = {.memory_bytes = film_bytes};
+    const struct glint_jobs_limits within = {.memory_bytes = film_bytes + SCENE_BYTES};
     assert_int_equal(glint_jobs_create(&f->jobs, devices, f->store, &within, NULL, NULL), GLINT_OK);
     glint_jobs_on_change(f->jobs, note, NULL);
 }

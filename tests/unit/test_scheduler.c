@@ -136,6 +136,15 @@ static void a_film_that_does_not_fit_waits_for_others_to_end(void **state)
     fixture_stop(&f);
 }
 
+static void assert_wait(struct fixture *f, const char *id, const char *expected)
+{
+    cJSON *job = glint_jobs_describe(f->jobs, id, NULL);
+    const char *wait = cJSON_GetStringValue(cJSON_GetObjectItem(job, "waits_for"));
+    assert_true(cJSON_HasObjectItem(job, "waits_for"));
+    assert_true(expected ? wait && !strcmp(wait, expected) : !wait);
+    cJSON_Delete(job);
+}
+
 static void a_job_waits_for_room_beside_those_that_render(void **state)
 {
     (void)state;
@@ -153,6 +162,14 @@ static void a_job_waits_for_room_beside_those_that_render(void **state)
     fixture_wait(&f, urgent, GLINT_JOB_RENDERING); // beside a: 60 + 40
     assert_int_equal(fixture_state(&f, b), GLINT_JOB_QUEUED);
     assert_int_equal(fixture_state(&f, c), GLINT_JOB_QUEUED); // it does not pass b
+    assert_wait(&f, b, "memory");
+    assert_wait(&f, c, "turn");
+    assert_wait(&f, urgent, NULL);
+    struct glint_jobs_stats stats;
+    glint_jobs_stats(f.jobs, &stats);
+    assert_int_equal(stats.film_bytes, 100);
+    assert_int_equal(stats.by_wait[GLINT_WAIT_MEMORY], 1);
+    assert_int_equal(stats.by_wait[GLINT_WAIT_TURN], 1);
     assert_int_equal(fake_creates(), 2);
     fake_open_gate();
     fixture_wait(&f, b, GLINT_JOB_DONE);
@@ -193,6 +210,110 @@ static void a_film_over_the_limit_is_refused_and_costs_nobody_anything(void **st
     assert_string_equal(err.fault[0].pointer, "/resolution");
     glint_error_finish(&err);
     assert_int_equal(fixture_state(&f, a), GLINT_JOB_DONE);
+    fixture_stop(&f);
+}
+
+static void more_memory_lets_in_who_waits_for_it(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start_within(&f, 1, 100);
+    fake_close_gate();
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [60, 1]}");
+    fixture_wait(&f, a, GLINT_JOB_RENDERING);
+    const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [60, 1]}");
+    struct glint_jobs_stats stats;
+    do
+        glint_jobs_stats(f.jobs, &stats);
+    while (!stats.by_wait[GLINT_WAIT_MEMORY]);
+    stats.limits.memory_bytes += 100;
+    glint_jobs_set_limits(f.jobs, &stats.limits);
+    fake_let(1);
+    fixture_wait(&f, b, GLINT_JOB_RENDERING);
+    fixture_stop(&f);
+}
+
+static void a_client_with_one_job_is_served_as_much_as_one_with_twenty(void **state)
+{
+    (void)state;
+    enum { MANY = 20, SLICES = 400 };
+    struct fixture f;
+    fixture_start(&f, 2);
+    fake_hold_create(true); // so that all begin at once
+    fake_close_gate();
+    f.client = "many";
+    for (int i = 1; i <= MANY; i++) {
+        fake_slice_seconds((uint32_t)i, 0.0003);
+        fixture_submit(&f, "{'scene': 's', 'seed': %d, 'resolution': [1000, 1]}", i);
+    }
+    f.client = "one";
+    fake_slice_seconds(100, 0.0003);
+    const char *one = fixture_submit(&f, "{'scene': 's', 'seed': 100, 'resolution': [1000, 1]}");
+    fake_hold_create(false);
+    fixture_wait(&f, one, GLINT_JOB_RENDERING); // though its film was the last that was asked for
+    const size_t before = fake_begun_now();
+    fake_open_gate();
+    uint32_t seed[SLICES + 64];
+    assert_true(before < 64);
+    fake_begun(before + SLICES, seed);
+    int served = 0;
+    for (size_t i = before; i < before + SLICES; i++)
+        served += seed[i] == 100;
+    assert_true(served > SLICES / 3 && served < SLICES * 2 / 3); // the system may stop a worker
+    fixture_stop(&f);
+}
+
+static void the_next_slice_of_every_worker_is_the_most_important(void **state)
+{
+    (void)state;
+    enum { WORKERS = 4 };
+    struct fixture f;
+    fixture_start(&f, WORKERS);
+    fake_close_gate();
+    const char *low = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [50, 1],"
+                                         " 'stop': {'samples': 2}}");
+    fake_begun(WORKERS, NULL); // each runs one, and has another waiting
+    const char *high = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [50, 1],"
+                                          " 'priority': 1, 'stop': {'samples': 1}}");
+    fixture_wait(&f, high, GLINT_JOB_RENDERING);
+    fake_let(WORKERS);
+    uint32_t seed[2 * WORKERS];
+    fake_begun(2 * WORKERS, seed);
+    for (int i = 0; i < 2 * WORKERS; i++)
+        assert_int_equal(seed[i], i < WORKERS ? 1 : 2);
+    fake_open_gate();
+    fixture_wait(&f, high, GLINT_JOB_DONE);
+    fixture_wait(&f, low, GLINT_JOB_DONE);
+    assert_int_equal(fake_begun_now(), 100 + 50); // what was preempted lost no slice
+    fixture_stop(&f);
+}
+
+static void workers_tell_whose_slice_they_run(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 2);
+    fake_close_gate();
+    struct glint_worker_use use[3];
+    assert_int_equal(glint_jobs_workers(f.jobs, use, 3), 2);
+    assert_string_equal(use[0].job, "");
+    assert_true(use[0].share == 0 && use[0].busy_seconds == 0);
+    const char *id = fixture_submit(&f, "{'scene': 's', 'resolution': [1, 1],"
+                                        " 'stop': {'samples': 1}}");
+    fake_begun(1, NULL);
+    int busy = 0;
+    while (!busy) { // the worker may be ahead of the scheduler's note
+        glint_jobs_workers(f.jobs, use, 2);
+        busy = !strcmp(use[0].job, id) + !strcmp(use[1].job, id);
+    }
+    assert_int_equal(busy, 1);
+    assert_true(use[0].share > 0 || use[1].share > 0);
+    fake_open_gate();
+    fixture_wait(&f, id, GLINT_JOB_DONE);
+    glint_jobs_workers(f.jobs, use, 2);
+    assert_string_equal(use[0].job, "");
+    assert_string_equal(use[1].job, "");
+    assert_true(use[0].busy_seconds + use[1].busy_seconds > 0);
     fixture_stop(&f);
 }
 
@@ -429,6 +550,10 @@ int main(void)
         cmocka_unit_test(a_job_waits_for_room_beside_those_that_render),
         cmocka_unit_test(the_oldest_ended_jobs_give_their_films_room),
         cmocka_unit_test(a_film_over_the_limit_is_refused_and_costs_nobody_anything),
+        cmocka_unit_test(more_memory_lets_in_who_waits_for_it),
+        cmocka_unit_test(a_client_with_one_job_is_served_as_much_as_one_with_twenty),
+        cmocka_unit_test(the_next_slice_of_every_worker_is_the_most_important),
+        cmocka_unit_test(workers_tell_whose_slice_they_run),
         cmocka_unit_test(a_film_that_fits_nowhere_fails_with_capacity),
         cmocka_unit_test(compiling_holds_up_neither_slices_nor_answers),
         cmocka_unit_test(a_cancelled_job_gives_up_what_runs_and_begins_no_more),
