@@ -31,7 +31,7 @@ void glint_scheduler_enter(glint_scheduler *s, struct glint_entry *e, enum glint
 {
     glint_state_enter(s->table, e, state);
     s->news = true;
-    glint_log(GLINT_LOG_DEBUG, "jobs", e->id, NULL, "%s", glint_job_state_name(state));
+    glint_log(GLINT_LOG_DEBUG, "jobs", e->id, e->request, "%s", glint_job_state_name(state));
 }
 
 static void remove_live(glint_scheduler *s, const struct glint_entry *e)
@@ -59,7 +59,7 @@ static void settle(glint_scheduler *s, struct glint_entry *e)
     glint_scheduler_unblock(s);
     glint_crew_dispose(s->crew, &e->next_view, &e->next_revision);
     glint_log(e->state == GLINT_JOB_FAILED ? GLINT_LOG_WARNING : GLINT_LOG_INFO, "jobs", e->id,
-              NULL, "%s after %.3f s%s%s", glint_job_state_name(e->state), e->render_seconds,
+              e->request, "%s after %.3f s%s%s", glint_job_state_name(e->state), e->render_seconds,
               e->problem.status ? ": " : "",
               e->problem.status ? glint_error_text(&e->problem) : "");
 }
@@ -154,7 +154,7 @@ static void not_prepared(glint_scheduler *s, struct glint_entry *e, struct glint
         fail(s, e, &m->error);
         return;
     }
-    glint_log(GLINT_LOG_INFO, "jobs", e->id, NULL, "waits for another job to end: %s",
+    glint_log(GLINT_LOG_INFO, "jobs", e->id, e->request, "waits for another job to end: %s",
               glint_error_text(&m->error));
     glint_error_finish(&m->error);
     e->blocked = true;
@@ -198,7 +198,7 @@ static void prepared(glint_scheduler *s, struct glint_message *m)
 static void stay(glint_scheduler *s, struct glint_entry *e, struct glint_error *error)
 {
     const char *why = glint_error_text(error);
-    glint_log(GLINT_LOG_WARNING, "jobs", e->id, NULL, "cannot move: %s", why);
+    glint_log(GLINT_LOG_WARNING, "jobs", e->id, e->request, "cannot move: %s", why);
     glint_state_trouble(s->table, e, strdup(why));
     glint_error_finish(error);
     s->news = true;

@@ -185,7 +185,7 @@ void glint_entry_release_all(struct glint_entry *gone)
 {
     while (gone) {
         struct glint_entry *next = gone->next;
-        glint_log(GLINT_LOG_DEBUG, "jobs", gone->id, NULL, "forgotten");
+        glint_log(GLINT_LOG_DEBUG, "jobs", gone->id, gone->request, "forgotten");
         glint_entry_release(&gone);
         gone = next;
     }
