@@ -68,6 +68,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/frame.c \
 	daemon/http/frames.c \
 	daemon/http/frames.h \
+	daemon/http/heartbeat.c \
 	daemon/http/http.c \
 	daemon/http/http.h \
 	daemon/http/jobs.c \

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#define WATCHDOG_SHARE 0.5    // of the time after which the service manager loses patience
 #define PATIENCE_SECONDS 20.0 // asked for at a time, while it ends
 #define PATIENCE_STEP 5.0     // between two times
 #define MOST_PATIENCE 900.0   // altogether: what takes longer hangs
@@ -81,7 +82,39 @@ static void *exit_on_next_signal(void *unused)
     _exit(EXIT_FAILURE);
 }
 
-static glint_ticker *patience;
+static double watchdog_seconds;
+
+// Who does not come round keeps this from returning, or from saying that all is well.
+static void watch(void *user)
+{
+    struct glint_house *h = user;
+    struct glint_error err = {0};
+    const struct glint_statement nothing = {.sql = "SELECT 1"};
+    glint_jobs_ping(h->jobs);
+    if (h->keeper)
+        glint_journal_read(glint_keeper_journal(h->keeper), &nothing, NULL, NULL, &err);
+    if (!err.status && !glint_http_beats(h->http, watchdog_seconds))
+        glint_fail(&err, GLINT_E_INTERNAL, "", "no HTTP thread answers");
+    if (!err.status)
+        glint_notify_alive();
+    else
+        glint_log(GLINT_LOG_ERROR, "main", NULL, NULL, "the watchdog is not told: %s",
+                  glint_error_text(&err));
+    glint_error_finish(&err);
+}
+
+static glint_ticker *patience, *watchdog;
+
+static void start_watchdog(struct glint_house *h)
+{
+    watchdog_seconds = glint_notify_watchdog();
+    struct glint_error err = {0};
+    if (watchdog_seconds > 0 &&
+        glint_ticker_create(&watchdog, "watchdog", watchdog_seconds * WATCHDOG_SHARE, watch, h,
+                            &err))
+        glint_log(GLINT_LOG_ERROR, "main", NULL, NULL, "%s", glint_error_text(&err));
+    glint_error_finish(&err);
+}
 
 static void ask_for_patience(void *unused)
 {
@@ -94,6 +127,7 @@ static void ask_for_patience(void *unused)
 static void drain(struct glint_house *h)
 {
     pthread_t impatience;
+    glint_ticker_destroy(&watchdog); // it does not watch services that end
     glint_notify_stopping();
     if (!glint_thread_start(&impatience, "second signal", exit_on_next_signal, NULL, NULL))
         pthread_detach(impatience);
@@ -109,13 +143,14 @@ void glint_serve_finish(void)
     glint_ticker_destroy(&patience);
 }
 
-static void start(const struct glint_house *h)
+static void start(struct glint_house *h)
 {
     printf("glintd: listening on %s\n", h->url);
     fflush(stdout);
     glint_log(GLINT_LOG_INFO, "main", NULL, NULL, "%u workers on %s, state in %s",
               glint_devices_workers(h->devices), glint_devices_name(h->devices), h->state);
     glint_notify_ready("serving %s", h->url);
+    start_watchdog(h);
 }
 
 void glint_serve(struct glint_house *h)

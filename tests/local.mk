@@ -195,6 +195,7 @@ SCRIPT_TESTS = \
 	tests/http/test_jobs.py \
 	tests/http/test_requests.py \
 	tests/http/test_scenes.py \
+	tests/http/test_service.py \
 	tests/http/test_streams.py \
 	tests/http/test_updates.py \
 	tests/render/test_cryptomatte_node.py \

@@ -53,6 +53,10 @@ glint_status glint_http_create(glint_http **out, const struct glint_http_params 
 // From the next connection and request on. Any thread.
 void glint_http_set_limits(glint_http *http, const struct glint_http_limits *limits);
 
+// Sends itself a request, each time to the next of the library's threads. True when an answer comes
+// within `seconds`. One thread at a time, not once it drains.
+bool glint_http_beats(glint_http *http, double seconds);
+
 // Stops accepting, turns /readyz to 503, ends streams and waiting requests, and gives the requests
 // under way up to `seconds` to finish. Returns true when none is left.
 bool glint_http_drain(glint_http *http, double seconds);

@@ -74,14 +74,20 @@ class Answer:
 
 
 class Daemon:
-    def __init__(self, *options, environment=None):
+    """`launch` starts the program in a way of its own: it takes the command and what Popen takes.
+    `tls` is a client's ssl.SSLContext; `headers` go with every request."""
+
+    def __init__(self, *options, environment=None, launch=subprocess.Popen, tls=None, headers=None):
         self.options = options
         self.environment = {**os.environ, **(environment or {})}
+        self.launch = launch
+        self.tls = tls
+        self.headers = headers or {}
 
     def __enter__(self):
         self.state = tempfile.mkdtemp(prefix="glint-test-")
         self.log = open(os.path.join(self.state, "log"), "a+", encoding="utf-8")
-        self.process = subprocess.Popen(
+        self.process = self.launch(
             [GLINTD, "--listen", "127.0.0.1:0", "--state", self.state, *self.options],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=self.log, text=True,
             env=self.environment)
@@ -96,7 +102,7 @@ class Daemon:
     def read_url(self):
         ready, _, _ = select.select([self.process.stdout], [], [], PATIENCE)
         line = self.process.stdout.readline() if ready else ""
-        found = re.match(r"glintd: listening on (http://127\.0\.0\.1:\d+)$", line)
+        found = re.match(r"glintd: listening on (https?://127\.0\.0\.1:\d+)$", line)
         assert found, f"it says {line!r}, and: {self.logged()}"
         return found[1]
 
@@ -127,9 +133,13 @@ class Daemon:
     # Requests
 
     def ask(self, method, path, body=None, headers=None):
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
+        if self.tls:
+            connection = http.client.HTTPSConnection("127.0.0.1", self.port, timeout=PATIENCE,
+                                                     context=self.tls)
+        else:
+            connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
         with contextlib.closing(connection):
-            connection.request(method, path, body, headers or {})
+            connection.request(method, path, body, {**self.headers, **(headers or {})})
             answer = connection.getresponse()
             return Answer(answer.status, answer.headers, answer.read())
 
@@ -212,7 +222,10 @@ class Daemon:
             return got
 
     def connect(self, path, headers=None, receive_buffer=None):
-        return Stream(self.dial(receive_buffer), path, headers or {})
+        sock = self.dial(receive_buffer)
+        if self.tls:
+            sock = self.tls.wrap_socket(sock, server_hostname="127.0.0.1")
+        return Stream(sock, path, {**self.headers, **(headers or {})})
 
 
 class Stream:
