@@ -226,6 +226,10 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/import_native.c \
 	daemon/scene/instances.c \
 	daemon/scene/internal.h \
+	daemon/scene/keep.c \
+	daemon/scene/keep.h \
+	daemon/scene/keep_collect.c \
+	daemon/scene/keep_parts.h \
 	daemon/scene/kept.c \
 	daemon/scene/light_clusters.c \
 	daemon/scene/light_clusters.h \

@@ -337,16 +337,18 @@ static void sweep_one(glint_vault *v, const char *name, void *user)
         atomic_fetch_sub(&v->bytes, size);
 }
 
-void glint_vault_sweep(glint_vault *v, const char *name,
+bool glint_vault_sweep(glint_vault *v, const char *name,
                        bool (*needed)(void *user, const char *name), void *user)
 {
     struct sweep s = {needed, user};
-    pthread_rwlock_wrlock(&v->sweeping);
+    if (pthread_rwlock_trywrlock(&v->sweeping))
+        return false;
     if (name)
         sweep_one(v, name, &s);
     else
         walk(v, sweep_one, &s);
     pthread_rwlock_unlock(&v->sweeping);
+    return true;
 }
 
 uint64_t glint_vault_bytes(const glint_vault *v)

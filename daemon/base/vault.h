@@ -40,8 +40,8 @@ glint_status glint_vault_map(glint_vault *vault, const char *name, const uint8_t
                              size_t *size, struct glint_error *err);
 
 // Removes every file that is not needed. name: one alone; NULL: all. `needed` may be called for any
-// name, under a lock of the vault: it must not put.
-void glint_vault_sweep(glint_vault *vault, const char *name,
+// name, under a lock of the vault: it must not put. False: somebody is putting, nothing was done.
+bool glint_vault_sweep(glint_vault *vault, const char *name,
                        bool (*needed)(void *user, const char *name), void *user);
 
 uint64_t glint_vault_bytes(const glint_vault *vault);

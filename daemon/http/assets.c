@@ -56,7 +56,7 @@ static glint_status keep(struct glint_request *r, const struct glint_asset *asse
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for an asset");
     r->body.bytes = NULL;
     const glint_status st =
-        glint_assets_put(glint_store_assets(r->http->store), asset, memory, created, err);
+        glint_store_put_asset(r->http->store, asset, memory, created, err);
     glint_memory_ref_release(&memory);
     return st;
 }

@@ -60,6 +60,11 @@ void glint_http_scenes_get(struct glint_request *r)
         glint_answer_error(r, &err);
         return;
     }
+    if (format && glint_revision_load(revision, &err)) {
+        glint_revision_release(&revision);
+        glint_answer_error(r, &err);
+        return;
+    }
     char etag[ETAG_BYTES];
     revision_etag(revision, format ? "-native" : "", etag);
     if (!glint_answer_unchanged(r, etag)) {

@@ -27,7 +27,7 @@ static glint_status find_scene(glint_revision **out, glint_store *store, const c
                                struct glint_error *err)
 {
     if (!glint_store_get(store, name, out, NULL))
-        return GLINT_OK;
+        return glint_revision_load(*out, err);
     return glint_fail(err, GLINT_E_RANGE, "/scene", "there is no scene \"%.140s\"", name);
 }
 

@@ -207,10 +207,11 @@ static glint_status check_look(glint_jobs *jobs, const char *id, const struct gl
         return GLINT_E_NOT_FOUND;
     glint_revision *revision = hold_revision(jobs, entry);
     const struct glint_job job = glint_look_apply(look, entry->job);
-    const glint_status st = entry->job->live
-                                ? glint_admit_camera(revision, &job, err)
-                                : glint_fail(err, GLINT_E_RANGE, "/camera",
-                                             "only the camera of a live job can be moved");
+    glint_status st = glint_revision_load(revision, err);
+    if (!st)
+        st = entry->job->live ? glint_admit_camera(revision, &job, err)
+                              : glint_fail(err, GLINT_E_RANGE, "/camera",
+                                           "only the camera of a live job can be moved");
     glint_revision_release(&revision);
     glint_entry_release(&entry);
     return st;

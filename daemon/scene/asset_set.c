@@ -6,8 +6,7 @@
 
 #define NAME_DIGITS 64u
 
-// The next "<64 hex digits>" from *at on, or NULL; *at moves behind it.
-static const char *next_name(const char *text, size_t length, size_t *at)
+const char *glint_assets_next_name(const char *text, size_t length, size_t *at)
 {
     const char *quote;
     while (*at < length && (quote = memchr(text + *at, '"', length - *at))) {
@@ -66,7 +65,7 @@ glint_status glint_assets_gather(glint_assets *assets, const char *text, size_t 
     size_t at = 0, capacity = 0;
     const char *name;
     *out = (struct glint_asset_set){0};
-    while ((name = next_name(text, length, &at))) {
+    while ((name = glint_assets_next_name(text, length, &at))) {
         glint_asset_ref *ref = glint_assets_find(assets, name);
         if (!ref)
             continue;

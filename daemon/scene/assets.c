@@ -33,6 +33,9 @@ struct glint_assets {
     glint_asset_ref *bucket[BUCKETS];
     uint64_t count, bytes;
     uint64_t put_count, put_bytes;
+
+    void (*gone)(void *user, const char *sha256);
+    void *user;
 };
 
 glint_status glint_assets_create(glint_assets **out, uint64_t limit_bytes, struct glint_error *err)
@@ -135,6 +138,9 @@ static void free_list(glint_asset_ref *gone)
 {
     while (gone) {
         glint_asset_ref *next = gone->next;
+        glint_assets *s = gone->store;
+        if (s->gone)
+            s->gone(s->user, gone->asset.sha256);
         glint_memory_ref_release(&gone->memory);
         free(gone);
         gone = next;
@@ -147,6 +153,7 @@ void glint_assets_destroy(glint_assets **assets)
     *assets = NULL;
     if (!s)
         return;
+    s->gone = NULL;
     for (uint32_t i = 0; i < BUCKETS; i++)
         free_list(s->bucket[i]);
     pthread_mutex_destroy(&s->mutex);
@@ -257,6 +264,35 @@ glint_status glint_assets_put(glint_assets *s, const struct glint_asset *asset,
     pthread_mutex_unlock(&s->mutex);
     free_list(gone);
     return st;
+}
+
+void glint_assets_unput(glint_assets *s, const char *sha256)
+{
+    pthread_mutex_lock(&s->mutex);
+    glint_asset_ref *gone = NULL, *ref = find(s, sha256);
+    if (ref && ref->held) {
+        ref->held = false;
+        s->put_count--;
+        s->put_bytes -= ref->asset.size;
+        if (--ref->references == 0)
+            cut(s, ref, &gone);
+    }
+    pthread_mutex_unlock(&s->mutex);
+    free_list(gone);
+}
+
+void glint_assets_on_gone(glint_assets *s, void (*gone)(void *user, const char *sha256), void *user)
+{
+    s->gone = gone;
+    s->user = user;
+}
+
+bool glint_assets_has(glint_assets *s, const char *sha256)
+{
+    pthread_mutex_lock(&s->mutex);
+    const bool found = find(s, sha256) != NULL;
+    pthread_mutex_unlock(&s->mutex);
+    return found;
 }
 
 glint_asset_ref *glint_assets_find(glint_assets *s, const char *sha256)

@@ -46,6 +46,15 @@ glint_status glint_assets_add(glint_assets *assets, const struct glint_asset *as
 glint_status glint_assets_put(glint_assets *assets, const struct glint_asset *asset,
                               glint_memory_ref *memory, bool *created, struct glint_error *err);
 
+// Undoes a put that found nothing held: the client is told that it was not kept.
+void glint_assets_unput(glint_assets *assets, const char *sha256);
+
+// Called with the name of every asset that has gone, without a lock. To be set before any is there;
+// NULL: none.
+void glint_assets_on_gone(glint_assets *assets, void (*gone)(void *user, const char *sha256),
+                          void *user);
+bool glint_assets_has(glint_assets *assets, const char *sha256); // which is well formed
+
 // Retained, or NULL where there is none of this name.
 glint_asset_ref *glint_assets_find(glint_assets *assets, const char *sha256);
 glint_asset_ref *glint_asset_ref_retain(glint_asset_ref *ref);
@@ -66,6 +75,9 @@ struct glint_asset_set {
 glint_status glint_assets_gather(glint_assets *assets, const char *text, size_t length,
                                  struct glint_asset_set *out, struct glint_error *err);
 void glint_asset_set_release(struct glint_asset_set *set); // and zeroes it
+
+// The next 64 lower-case hex digits between quotes from *at on, or NULL; *at moves behind them.
+const char *glint_assets_next_name(const char *text, size_t length, size_t *at);
 
 struct glint_assets_stats {
     uint64_t count, bytes;           // of all

@@ -1,6 +1,7 @@
 #include "scene/revision.h"
 
 #include "base/clock.h"
+#include "base/log.h"
 #include "base/sha256.h"
 
 #include <pthread.h>
@@ -28,6 +29,11 @@ struct glint_revision {
     char created[32];
     struct glint_posed rest;           // owns scene and import
     const struct glint_import *import; // lives as long as `rest`
+    glint_keep *keep;                  // NULL: nothing is kept
+    char *warnings, *told;             // of a recalled one: JSON as it was told, or NULL
+    atomic_int stage;                  // enum stage; what loading fills is read after it
+    pthread_mutex_t loading;           // held by who loads
+    struct glint_error why;            // FAILED
     double parse_seconds;
     struct glint_resident_stats stats;
     _Atomic uint64_t *resident_bytes;
@@ -37,6 +43,8 @@ struct glint_revision {
     uint64_t pose_turns;
     _Atomic uint64_t pose_bytes; // also read without
 };
+
+enum stage { RECALLED, LOADED, FAILED };
 
 struct glint_usage *glint_usage_create(void)
 {
@@ -100,43 +108,158 @@ static glint_status make_resident(glint_revision *r, struct glint_scene *scene,
     return st;
 }
 
+// Takes usage.
+static glint_revision *new_revision(glint_devices *devices, const char *name,
+                                    struct glint_usage *usage, _Atomic uint64_t *resident_bytes,
+                                    glint_keep *keep)
+{
+    glint_revision *r = calloc(1, sizeof *r);
+    char *copy = strdup(name);
+    if (!r || !copy) {
+        free(r);
+        free(copy);
+        glint_usage_release(&usage);
+        return NULL;
+    }
+    r->devices = devices;
+    r->usage = usage;
+    r->name = copy;
+    r->resident_bytes = resident_bytes;
+    r->keep = keep;
+    atomic_init(&r->references, 1);
+    atomic_init(&r->stage, RECALLED);
+    pthread_mutex_init(&r->mutex, NULL);
+    pthread_mutex_init(&r->loading, NULL);
+    return r;
+}
+
+// From here on the revision has everything.
+static void become_loaded(glint_revision *r)
+{
+    glint_resident_set_revision(r->rest.resident, r->id);
+    glint_resident_stats(r->rest.resident, &r->stats);
+    atomic_fetch_add(r->resident_bytes, total_bytes(&r->stats));
+    // Release: who sees it loaded sees what it consists of.
+    atomic_store_explicit(&r->stage, LOADED, memory_order_release);
+}
+
 glint_status glint_revision_create(glint_revision **out, glint_devices *devices,
                                    const struct glint_revision_order *order,
                                    struct glint_error *err)
 {
-    *out = NULL;
-    glint_revision *r = calloc(1, sizeof *r);
-    char *copy = strdup(order->name);
-    if (!r || !copy) {
+    glint_revision *r = *out =
+        new_revision(devices, order->name, order->usage, order->resident_bytes, order->keep);
+    if (!r) {
         struct glint_scene *scene = order->scene;
         struct glint_import *import = order->import;
-        struct glint_usage *usage = order->usage;
-        free(r);
-        free(copy);
         glint_scene_destroy(&scene);
         glint_import_destroy(&import);
-        glint_usage_release(&usage);
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a revision");
     }
-    r->devices = devices;
-    r->usage = order->usage;
-    r->name = copy;
     r->import = order->import;
-    r->resident_bytes = order->resident_bytes;
-    atomic_init(&r->references, 1);
-    pthread_mutex_init(&r->mutex, NULL);
     glint_revision_hash(r->import, r->id);
     glint_utc(r->created);
     const glint_status st = make_resident(r, order->scene, order->from, err);
     if (st) {
-        glint_revision_release(&r);
+        glint_revision_release(out);
         return st;
     }
-    glint_resident_set_revision(r->rest.resident, r->id);
-    glint_resident_stats(r->rest.resident, &r->stats);
-    atomic_fetch_add(r->resident_bytes, total_bytes(&r->stats));
-    *out = r;
+    if (r->keep)
+        glint_keep_hold(r->keep, r->id, 0);
+    become_loaded(r);
     return GLINT_OK;
+}
+
+// ---- revisions that are read back
+
+static void recall_created(glint_revision *r)
+{
+    cJSON *told = r->told ? cJSON_Parse(r->told) : NULL;
+    const char *created = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(told, "created"));
+    if (created && strlen(created) < sizeof r->created)
+        strcpy(r->created, created);
+    cJSON_Delete(told);
+}
+
+glint_status glint_revision_recall(glint_revision **out, glint_devices *devices,
+                                   const struct glint_revision_memory *memory,
+                                   struct glint_error *err)
+{
+    glint_revision *r = *out =
+        new_revision(devices, memory->name, memory->usage, memory->resident_bytes, memory->keep);
+    if (r) {
+        memcpy(r->id, memory->id, sizeof r->id);
+        r->warnings = memory->warnings ? strdup(memory->warnings) : NULL;
+        r->told = memory->resource ? strdup(memory->resource) : NULL;
+        recall_created(r);
+    }
+    if (r && !r->warnings == !memory->warnings && !r->told == !memory->resource)
+        return GLINT_OK;
+    glint_revision_release(out);
+    return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a revision");
+}
+
+bool glint_revision_loaded(const glint_revision *r)
+{
+    return atomic_load_explicit(&r->stage, memory_order_acquire) == LOADED;
+}
+
+static glint_status read_back(glint_revision *r, struct glint_error *err)
+{
+    struct glint_import *import;
+    uint32_t depth;
+    glint_status st = glint_keep_read(r->keep, r->id, r->warnings, &import, &depth, err);
+    if (st)
+        return st;
+    r->import = import;
+    st = make_resident(r, NULL, NULL, err);
+    if (st) {
+        r->import = NULL;
+        return st;
+    }
+    glint_keep_hold(r->keep, r->id, depth);
+    become_loaded(r);
+    return GLINT_OK;
+}
+
+static glint_status refuse(const glint_revision *r, struct glint_error *err)
+{
+    return glint_fail(err, GLINT_E_CONFLICT, "", "the scene \"%s\" cannot be loaded: %s", r->name,
+                      glint_error_text(&r->why));
+}
+
+// A lack of memory passes, other faults stay.
+static glint_status load(glint_revision *r, struct glint_error *err)
+{
+    struct glint_error why = {0};
+    const glint_status st = read_back(r, &why);
+    if (!st)
+        return GLINT_OK;
+    if (st == GLINT_E_CAPACITY || st == GLINT_E_NOMEM) {
+        glint_fail(err, st, "", "%s", glint_error_text(&why));
+        glint_error_finish(&why);
+        return st;
+    }
+    glint_log(GLINT_LOG_ERROR, "scene", NULL, NULL, "revision %.12s of \"%s\" cannot be loaded: %s",
+              r->id, r->name, glint_error_text(&why));
+    r->why = why;
+    atomic_store_explicit(&r->stage, FAILED, memory_order_release);
+    return refuse(r, err);
+}
+
+glint_status glint_revision_load(glint_revision *r, struct glint_error *err)
+{
+    if (glint_revision_loaded(r))
+        return GLINT_OK;
+    glint_status st = GLINT_OK;
+    pthread_mutex_lock(&r->loading);
+    const int stage = atomic_load_explicit(&r->stage, memory_order_relaxed);
+    if (stage == FAILED)
+        st = refuse(r, err);
+    else if (stage == RECALLED)
+        st = load(r, err);
+    pthread_mutex_unlock(&r->loading);
+    return st;
 }
 
 void glint_revision_edit(const glint_revision *revision, struct glint_edit *out)
@@ -230,10 +353,14 @@ static glint_status find_pose(glint_revision *r, const struct glint_pose_request
 glint_status glint_revision_pose(glint_revision *r, const struct glint_job *job,
                                  struct glint_posed *out, struct glint_error *err)
 {
-    const struct glint_scene *scene = glint_resident_scene(r->rest.resident);
     struct glint_pose_request request;
+    *out = (struct glint_posed){0};
+    glint_status st = glint_revision_load(r, err);
+    if (st)
+        return st;
+    const struct glint_scene *scene = glint_resident_scene(r->rest.resident);
     *out = r->rest;
-    glint_status st = glint_posed_request(&request, scene, job, err);
+    st = glint_posed_request(&request, scene, job, err);
     if (st)
         return st;
     pthread_mutex_lock(&r->mutex);
@@ -257,12 +384,20 @@ void glint_revision_release(glint_revision **revision)
     *revision = NULL;
     if (!r || atomic_fetch_sub_explicit(&r->references, 1, memory_order_acq_rel) != 1)
         return;
-    atomic_fetch_sub(r->resident_bytes, total_bytes(&r->stats));
-    while (r->poses)
-        forget_pose(r, r->poses - 1);
-    glint_resident_release(&r->rest.resident);
+    if (glint_revision_loaded(r)) {
+        atomic_fetch_sub(r->resident_bytes, total_bytes(&r->stats));
+        while (r->poses)
+            forget_pose(r, r->poses - 1);
+        glint_resident_release(&r->rest.resident);
+        if (r->keep) // after its assets: what it alone used goes in the same round
+            glint_keep_release(r->keep, r->id);
+    }
     glint_usage_release(&r->usage);
+    glint_error_finish(&r->why);
+    pthread_mutex_destroy(&r->loading);
     pthread_mutex_destroy(&r->mutex);
+    free(r->warnings);
+    free(r->told);
     free(r->name);
     free(r);
 }
@@ -370,14 +505,32 @@ static void add_warnings(cJSON *resource, const glint_revision *r)
         add_warning(warnings, scene->warning[i]);
 }
 
+// As it was told when it was made; what it holds in memory now is nothing.
+static cJSON *recalled_resource(const glint_revision *r)
+{
+    cJSON *resource = r->told ? cJSON_Parse(r->told) : cJSON_CreateObject();
+    const bool failed = atomic_load_explicit(&r->stage, memory_order_acquire) == FAILED;
+    cJSON_DeleteItemFromObjectCaseSensitive(resource, "state");
+    cJSON_AddStringToObject(resource, "state", failed ? "failed" : "loading");
+    cJSON *bytes = cJSON_GetObjectItemCaseSensitive(resource, "resident_bytes");
+    if (bytes)
+        cJSON_SetNumberValue(bytes, 0);
+    if (failed)
+        cJSON_AddStringToObject(resource, "problem", glint_error_text(&r->why));
+    return resource;
+}
+
 cJSON *glint_revision_resource(const glint_revision *r)
 {
+    if (!glint_revision_loaded(r))
+        return recalled_resource(r);
     cJSON *resource = cJSON_CreateObject();
     if (!resource)
         return NULL;
     cJSON_AddStringToObject(resource, "name", r->name);
     cJSON_AddStringToObject(resource, "revision", r->id);
     cJSON_AddStringToObject(resource, "created", r->created);
+    cJSON_AddStringToObject(resource, "state", "resident");
     add_counts(resource, r);
     add_bytes(resource, r);
     add_effects(resource, r->rest.resident);

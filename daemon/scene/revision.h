@@ -5,6 +5,7 @@
 #define GLINT_SCENE_REVISION_H
 
 #include "scene/edit.h"
+#include "scene/keep.h"
 #include "scene/store.h"
 
 #include <stdatomic.h>
@@ -27,12 +28,27 @@ struct glint_revision_order {
     struct glint_usage *usage;
     const glint_revision *from;       // borrowed: the one before, with which it shares; NULL: none
     _Atomic uint64_t *resident_bytes; // borrowed for its life: grows by its size until it is freed
+    glint_keep *keep;                 // borrowed for its life; NULL: nothing is kept
 };
 glint_status glint_revision_create(glint_revision **out, glint_devices *devices,
                                    const struct glint_revision_order *order,
                                    struct glint_error *err);
 
-// What an edit of the revision starts from; borrows.
+// A revision that is only known by what was told of it: everything else is read back when it is
+// loaded.
+struct glint_revision_memory {
+    const char *name, *id;
+    const char *warnings, *resource; // JSON, NULL: nobody asks for them
+    struct glint_usage *usage;       // taken, also by a failure
+    _Atomic uint64_t *resident_bytes;
+    glint_keep *keep;
+};
+glint_status glint_revision_recall(glint_revision **out, glint_devices *devices,
+                                   const struct glint_revision_memory *memory,
+                                   struct glint_error *err);
+bool glint_revision_loaded(const glint_revision *revision);
+
+// What an edit of the loaded revision starts from; borrows.
 void glint_revision_edit(const glint_revision *revision, struct glint_edit *out);
 
 // The usage that a next revision of the scene shares; borrowed.

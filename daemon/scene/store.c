@@ -2,6 +2,8 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/thread.h"
+#include "scene/keep.h"
 #include "scene/revision.h"
 
 #include <pthread.h>
@@ -20,10 +22,15 @@ struct named {
 struct glint_store {
     glint_devices *devices;
     glint_importer *importer;
-    glint_keeper *keeper; // NULL: nothing is kept
+    glint_keep *keep; // NULL: nothing is kept
     struct glint_import_limits limits;
     glint_assets *assets;
     _Atomic uint64_t resident_bytes, imports, import_failures;
+    pthread_t loader;
+    bool loading;         // the thread was started
+    atomic_bool stop;     // the thread is to end
+    char (*recalled)[65]; // [recalls] revisions that jobs need
+    size_t recalls;
     void (*published)(void *user, const char *name);
     void *user;
     pthread_mutex_t editing[EDITORS]; // by a hash of the name: taken before `mutex`
@@ -31,6 +38,136 @@ struct glint_store {
     struct named scene[MAX_SCENES];   // by name
     size_t scenes;
 };
+
+// Index of the name, or where it would stand (*found false). With the mutex.
+static size_t find(const glint_store *s, const char *name, bool *found)
+{
+    size_t low = 0, high = s->scenes;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (strcmp(s->scene[middle].name, name) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    *found = low < s->scenes && !strcmp(s->scene[low].name, name);
+    return low;
+}
+
+// *out: every current revision, retained, in a malloc'd array.
+static bool retain_all(glint_store *s, glint_revision ***out, size_t *count)
+{
+    pthread_mutex_lock(&s->mutex);
+    *count = s->scenes;
+    *out = malloc((s->scenes + 1) * sizeof **out);
+    for (size_t i = 0; *out && i < s->scenes; i++)
+        (*out)[i] = glint_revision_retain(s->scene[i].current);
+    pthread_mutex_unlock(&s->mutex);
+    return *out != NULL;
+}
+
+// ---- after a restart
+
+static bool recall_scene(void *user, const char *name, const char *revision, const char *warnings,
+                         const char *resource)
+{
+    glint_store *s = user;
+    if (s->scenes == MAX_SCENES)
+        return false;
+    struct named *scene = &s->scene[s->scenes];
+    struct glint_usage *usage = glint_usage_create();
+    scene->name = strdup(name);
+    if (!usage || !scene->name ||
+        glint_revision_recall(&scene->current, s->devices,
+                              &(struct glint_revision_memory){name, revision, warnings, resource,
+                                                              usage, &s->resident_bytes, s->keep},
+                              NULL)) {
+        free(scene->name);
+        return false;
+    }
+    s->scenes++;
+    return true;
+}
+
+// The names come in the order of the table.
+static glint_status recall_scenes(glint_store *s, glint_keeper *keeper, struct glint_error *err)
+{
+    const glint_status st = glint_keep_create(&s->keep, keeper, s->assets, err);
+    return st ? st : glint_keep_scenes(s->keep, recall_scene, s, err);
+}
+
+static void remember_recall(glint_store *s, const char *id)
+{
+    char(*more)[65] = realloc(s->recalled, (s->recalls + 1) * sizeof *more);
+    if (!more)
+        return;
+    s->recalled = more;
+    memcpy(more[s->recalls++], id, 65);
+}
+
+glint_status glint_store_recall(glint_store *s, const char *name, const char *id, bool needed,
+                                glint_revision **out, struct glint_error *err)
+{
+    struct glint_usage *usage = NULL;
+    bool found;
+    *out = NULL;
+    pthread_mutex_lock(&s->mutex);
+    const size_t at = find(s, name, &found);
+    glint_revision *current = found ? s->scene[at].current : NULL;
+    if (current && !strcmp(glint_revision_id(current), id))
+        *out = glint_revision_retain(current);
+    else if (current)
+        usage = glint_usage_retain(glint_revision_usage(current));
+    pthread_mutex_unlock(&s->mutex);
+    if (*out)
+        return GLINT_OK;
+    if (needed)
+        remember_recall(s, id);
+    if (!usage && !(usage = glint_usage_create()))
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a revision");
+    return glint_revision_recall(
+        out, s->devices,
+        &(struct glint_revision_memory){.name = name,
+                                        .id = id,
+                                        .usage = usage,
+                                        .resident_bytes = &s->resident_bytes,
+                                        .keep = s->keep},
+        err);
+}
+
+static void *bring_back(void *arg)
+{
+    glint_store *s = arg;
+    glint_revision **all;
+    size_t count;
+    const double start = glint_now();
+    glint_keep_adopt(s->keep);
+    for (size_t i = 0; i < s->recalls; i++)
+        glint_keep_pin(s->keep, s->recalled[i]);
+    if (!retain_all(s, &all, &count))
+        return NULL;
+    for (size_t i = 0; i < count; i++) {
+        if (!atomic_load(&s->stop) && glint_revision_load(all[i], NULL))
+            glint_keep_pin(s->keep, glint_revision_id(all[i]));
+        glint_revision_release(&all[i]);
+    }
+    free(all);
+    if (atomic_load(&s->stop))
+        return NULL;
+    glint_keep_collect(s->keep);
+    if (count)
+        glint_log(GLINT_LOG_INFO, "scene", NULL, NULL, "%zu scene%s back after %.3f s", count,
+                  count == 1 ? " is" : "s are", glint_now() - start);
+    return NULL;
+}
+
+glint_status glint_store_begin(glint_store *s, struct glint_error *err)
+{
+    const glint_status st =
+        s->keep ? glint_thread_start(&s->loader, "scenes", bring_back, s, err) : GLINT_OK;
+    s->loading = s->keep && !st;
+    return st;
+}
 
 glint_status glint_store_create(glint_store **out, glint_devices *devices, glint_importer *importer,
                                 const struct glint_import_limits *limits, glint_keeper *keeper,
@@ -47,12 +184,14 @@ glint_status glint_store_create(glint_store **out, glint_devices *devices, glint
     }
     (*out)->devices = devices;
     (*out)->importer = importer;
-    (*out)->keeper = keeper;
     (*out)->limits = *limits;
     pthread_mutex_init(&(*out)->mutex, NULL);
     for (unsigned i = 0; i < EDITORS; i++)
         pthread_mutex_init(&(*out)->editing[i], NULL);
-    return GLINT_OK;
+    const glint_status kept = keeper ? recall_scenes(*out, keeper, err) : GLINT_OK;
+    if (kept)
+        glint_store_destroy(out);
+    return kept;
 }
 
 void glint_store_destroy(glint_store **store)
@@ -60,6 +199,12 @@ void glint_store_destroy(glint_store **store)
     glint_store *s = *store;
     if (!s)
         return;
+    if (s->loading) {
+        atomic_store(&s->stop, true);
+        pthread_join(s->loader, NULL);
+    }
+    if (s->keep)
+        glint_keep_stop(s->keep);
     for (size_t i = 0; i < s->scenes; i++) {
         glint_revision_release(&s->scene[i].current);
         free(s->scene[i].name);
@@ -67,7 +212,9 @@ void glint_store_destroy(glint_store **store)
     pthread_mutex_destroy(&s->mutex);
     for (unsigned i = 0; i < EDITORS; i++)
         pthread_mutex_destroy(&s->editing[i]);
+    glint_keep_destroy(&s->keep);
     glint_assets_destroy(&s->assets);
+    free(s->recalled);
     free(s);
     *store = NULL;
 }
@@ -75,6 +222,19 @@ void glint_store_destroy(glint_store **store)
 glint_assets *glint_store_assets(glint_store *store)
 {
     return store->assets;
+}
+
+glint_status glint_store_put_asset(glint_store *s, const struct glint_asset *asset,
+                                   glint_memory_ref *memory, bool *created, struct glint_error *err)
+{
+    glint_status st = glint_assets_put(s->assets, asset, memory, created, err);
+    if (st || !s->keep)
+        return st;
+    // Held first: then it is not collected before it is kept.
+    st = glint_keep_asset(s->keep, asset, err);
+    if (st && *created)
+        glint_assets_unput(s->assets, asset->sha256);
+    return st;
 }
 
 static glint_status check_name(const char *name, struct glint_error *err)
@@ -89,19 +249,12 @@ static glint_status check_name(const char *name, struct glint_error *err)
                       name, MAX_NAME_BYTES);
 }
 
-// Index of the name, or where it would stand (*found false). With the mutex.
-static size_t find(const glint_store *s, const char *name, bool *found)
+static pthread_mutex_t *editor_of(glint_store *s, const char *name)
 {
-    size_t low = 0, high = s->scenes;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (strcmp(s->scene[middle].name, name) < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    *found = low < s->scenes && !strcmp(s->scene[low].name, name);
-    return low;
+    unsigned hash = 5381;
+    while (*name)
+        hash = hash * 33 + (unsigned char)*name++;
+    return &s->editing[hash % EDITORS];
 }
 
 // With the mutex.
@@ -129,6 +282,20 @@ static glint_status check_match_locked(glint_store *s, const char *name, const c
     return st;
 }
 
+// What would keep the name from being published, before the journal says that it is.
+static glint_status check_room(glint_store *s, const char *name, const char *if_match,
+                               struct glint_error *err)
+{
+    bool found;
+    pthread_mutex_lock(&s->mutex);
+    find(s, name, &found);
+    glint_status st = check_match(s, name, if_match, err);
+    if (!st && !found && s->scenes == MAX_SCENES)
+        st = glint_fail(err, GLINT_E_CAPACITY, "", "%d scenes are named already", MAX_SCENES);
+    pthread_mutex_unlock(&s->mutex);
+    return st;
+}
+
 // Whether the revision came with the same warnings: equal scenes are made from different files.
 static bool warns_alike(const glint_revision *revision, const struct glint_import *import)
 {
@@ -151,7 +318,8 @@ static glint_revision *look_up(glint_store *s, const char *name, const char *id,
     bool found;
     const size_t at = find(s, name, &found);
     const glint_revision *current = found ? s->scene[at].current : NULL;
-    if (found && !strcmp(glint_revision_id(current), id) && warns_alike(current, import))
+    if (found && glint_revision_loaded(current) && !strcmp(glint_revision_id(current), id) &&
+        warns_alike(current, import))
         same = glint_revision_retain(s->scene[at].current);
     else if (found)
         *usage = glint_usage_retain(glint_revision_usage(s->scene[at].current));
@@ -173,8 +341,47 @@ static glint_status insert(glint_store *s, size_t at, const char *name, struct g
     return GLINT_OK;
 }
 
+// Has the journal say what the name stands for; `from` NULL: not made from another.
+static glint_status keep_name(glint_store *s, const char *name, const glint_revision *from,
+                              const glint_revision *revision, struct glint_error *err)
+{
+    struct glint_edit of = {0}, before = {0};
+    if (!s->keep)
+        return GLINT_OK;
+    cJSON *resource = glint_revision_resource(revision);
+    char *text = resource ? cJSON_PrintUnformatted(resource) : NULL;
+    cJSON_Delete(resource);
+    if (!text)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory to keep a scene");
+    glint_revision_edit(revision, &of);
+    if (from)
+        glint_revision_edit(from, &before);
+    const glint_status st = glint_keep_publish(
+        s->keep,
+        &(struct glint_kept_scene){.name = name,
+                                   .id = glint_revision_id(revision),
+                                   .import = of.import,
+                                   .parent_id = from ? glint_revision_id(from) : NULL,
+                                   .parent = before.import,
+                                   .resource = text},
+        err);
+    free(text);
+    return st;
+}
+
+// text: the whole text is kept as well, not only what it names.
+static glint_status keep_content(glint_store *s, const glint_revision *revision, bool text,
+                                 struct glint_error *err)
+{
+    struct glint_edit of = {0};
+    if (!s->keep)
+        return GLINT_OK;
+    glint_revision_edit(revision, &of);
+    return glint_keep_content(s->keep, text ? glint_revision_id(revision) : NULL, of.import, err);
+}
+
 // Names the revision, unless If-Match stopped holding while it was made. *replaced, to be released
-// by the caller without the mutex: freeing a scene takes a while.
+// by the caller without the mutex: freeing a scene takes a while. With the name's editor.
 static glint_status publish(glint_store *s, const char *name, const char *if_match,
                             glint_revision *revision, glint_revision **replaced,
                             struct glint_error *err)
@@ -214,8 +421,11 @@ static glint_status load(glint_store *s, const char *name, struct glint_import *
     }
     return glint_revision_create(
         out, s->devices,
-        &(struct glint_revision_order){
-            .name = name, .import = import, .usage = usage, .resident_bytes = &s->resident_bytes},
+        &(struct glint_revision_order){.name = name,
+                                       .import = import,
+                                       .usage = usage,
+                                       .resident_bytes = &s->resident_bytes,
+                                       .keep = s->keep},
         err);
 }
 
@@ -233,8 +443,17 @@ static glint_status import_and_publish(glint_store *s, const char *name,
     if (st)
         return st;
 
-    glint_revision *replaced;
-    st = publish(s, name, if_match, *out, &replaced, err);
+    glint_revision *replaced = NULL;
+    pthread_mutex_t *editor = editor_of(s, name);
+    st = keep_content(s, *out, true, err);
+    pthread_mutex_lock(editor); // what the journal says last is what is published last
+    if (!st)
+        st = check_room(s, name, if_match, err);
+    if (!st)
+        st = keep_name(s, name, NULL, *out, err);
+    if (!st)
+        st = publish(s, name, if_match, *out, &replaced, err);
+    pthread_mutex_unlock(editor);
     *created = !st && !replaced;
     glint_revision_release(&replaced);
     if (st)
@@ -313,7 +532,7 @@ static glint_status edit(glint_store *s, const char *name, const char *text, siz
         out, s->devices,
         &(struct glint_revision_order){name, import, scene,
                                        glint_usage_retain(glint_revision_usage(from)), from,
-                                       &s->resident_bytes},
+                                       &s->resident_bytes, s->keep},
         err);
     if (!st)
         report->change = *glint_resident_change(glint_revision_resident(*out));
@@ -352,21 +571,19 @@ static glint_status patch_once(glint_store *s, const char *name, const char *tex
         st = glint_fail(err, GLINT_E_STALE, "", "the revision is %s by now",
                         glint_revision_id(from));
     if (!st)
+        st = glint_revision_load(from, err);
+    if (!st)
         st = edit(s, name, text, length, from, out, report, err);
+    if (!st && report->changed)
+        st = keep_content(s, *out, false, err);
+    if (!st && report->changed)
+        st = keep_name(s, name, from, *out, err);
     if (!st)
         st = exchange(s, name, from, *out, lost, err);
     if (st || *lost)
         glint_revision_release(out);
     glint_revision_release(&from);
     return st;
-}
-
-static pthread_mutex_t *editor_of(glint_store *s, const char *name)
-{
-    unsigned hash = 5381;
-    while (*name)
-        hash = hash * 33 + (unsigned char)*name++;
-    return &s->editing[hash % EDITORS];
 }
 
 glint_status glint_store_patch(glint_store *s, const char *name, const char *text, size_t length,
@@ -414,10 +631,9 @@ static struct named cut(glint_store *s, size_t at)
     return gone;
 }
 
-glint_status glint_store_delete(glint_store *s, const char *name, const char *if_match, bool force,
-                                struct glint_error *err)
+static glint_status check_delete(glint_store *s, const char *name, const char *if_match, bool force,
+                                 struct glint_error *err)
 {
-    struct named gone = {NULL, NULL};
     pthread_mutex_lock(&s->mutex);
     bool found;
     const size_t at = find(s, name, &found);
@@ -426,24 +642,36 @@ glint_status glint_store_delete(glint_store *s, const char *name, const char *if
               : glint_fail(err, GLINT_E_NOT_FOUND, "", "there is no scene \"%.140s\"", name);
     if (!st)
         st = check_unused(&s->scene[at], force, err);
-    if (!st)
-        gone = cut(s, at);
     pthread_mutex_unlock(&s->mutex);
-    glint_revision_release(&gone.current);
-    free(gone.name);
     return st;
 }
 
-// *out: every current revision, retained, in a malloc'd array.
-static bool retain_all(glint_store *s, glint_revision ***out, size_t *count)
+// With the name's editor: it is still there.
+static struct named take_out(glint_store *s, const char *name)
 {
+    bool found;
     pthread_mutex_lock(&s->mutex);
-    *count = s->scenes;
-    *out = malloc((s->scenes + 1) * sizeof **out);
-    for (size_t i = 0; *out && i < s->scenes; i++)
-        (*out)[i] = glint_revision_retain(s->scene[i].current);
+    const size_t at = find(s, name, &found);
+    const struct named gone = found ? cut(s, at) : (struct named){NULL, NULL};
     pthread_mutex_unlock(&s->mutex);
-    return *out != NULL;
+    return gone;
+}
+
+glint_status glint_store_delete(glint_store *s, const char *name, const char *if_match, bool force,
+                                struct glint_error *err)
+{
+    struct named gone = {NULL, NULL};
+    pthread_mutex_t *editor = editor_of(s, name);
+    pthread_mutex_lock(editor);
+    glint_status st = check_delete(s, name, if_match, force, err);
+    if (!st && s->keep)
+        st = glint_keep_remove(s->keep, name, err);
+    if (!st)
+        gone = take_out(s, name);
+    pthread_mutex_unlock(editor);
+    glint_revision_release(&gone.current);
+    free(gone.name);
+    return st;
 }
 
 cJSON *glint_store_list(glint_store *s)

@@ -22,9 +22,22 @@ glint_status glint_store_create(glint_store **out, glint_devices *devices, glint
                                 struct glint_error *err);
 void glint_store_destroy(glint_store **store); // no revision may be in use
 
+// To be called once whoever knows of more revisions has recalled them: a thread brings the scenes
+// back into memory, one after the other, and then what nobody needs is collected.
+glint_status glint_store_begin(glint_store *store, struct glint_error *err);
+// A revision of the scene `name`, which a job was submitted for before a restart; retained. needed:
+// the job has not ended.
+glint_status glint_store_recall(glint_store *store, const char *name, const char *id, bool needed,
+                                glint_revision **out, struct glint_error *err);
+
 // What its scenes name by hash; borrowed. What clients put there may be half of what an import may
 // use.
 glint_assets *glint_store_assets(glint_store *store);
+
+// Takes an asset of a client, and keeps it: see glint_assets_put().
+glint_status glint_store_put_asset(glint_store *store, const struct glint_asset *asset,
+                                   glint_memory_ref *memory, bool *created,
+                                   struct glint_error *err);
 
 // Imports, builds and publishes under `name` ([A-Za-z0-9._-]{1,128}); source->assets is set here.
 // if_match: the revision that must be current, or NULL. *created tells 201 from 200. *out is
@@ -70,8 +83,14 @@ bool glint_store_imports(const glint_store *store); // false: it can take no mor
 glint_revision *glint_revision_retain(glint_revision *revision);
 void glint_revision_release(glint_revision **revision);
 void glint_revision_use(glint_revision *revision, int delta); // jobs that hold it: +1, -1
+// After a restart a revision is known before it is in memory again. Whoever needs its content loads
+// it first, which takes as long as building the scene; the calls below but use, id and resource are
+// for loaded ones.
+//   GLINT_E_CONFLICT  its files are damaged or gone
+//   GLINT_E_CAPACITY, GLINT_E_NOMEM  it does not fit now
+glint_status glint_revision_load(glint_revision *revision, struct glint_error *err);
 struct glint_resident *glint_revision_resident(const glint_revision *revision); // borrowed
-// What the job renders of the revision: at rest, or the pose of its frame, which is kept for other
+// Loads the revision. What the job renders of it: at rest, or the pose of its frame, which is kept for other
 // jobs within bounds. *out is retained for the caller.
 //   GLINT_E_RANGE     no such animation, at /animation
 //   GLINT_E_CAPACITY  the pose does not fit
