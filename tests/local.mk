@@ -189,6 +189,8 @@ SCRIPT_TESTS = \
 	tests/clients/cli_update.py \
 	tests/clients/cli_usage.py \
 	tests/clients/demo_scene.py \
+	tests/http/test_contract.py \
+	tests/http/test_auth.py \
 	tests/http/test_daemon.py \
 	tests/http/test_formats.py \
 	tests/http/test_hostile.py \

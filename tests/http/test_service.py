@@ -2,6 +2,7 @@
 """glintd under a service manager, whose part the test plays: what it is told and when, sockets that
 it hands over, signals, settings that are read again, the watchdog."""
 import contextlib
+import ctypes
 import json
 import os
 import re
@@ -47,6 +48,7 @@ class Manager:
         with contextlib.suppress(BlockingIOError):
             while True:
                 messages.append(self.message())
+        self.socket.settimeout(PATIENCE)
         return messages
 
 
@@ -265,6 +267,53 @@ def test_the_watchdog_is_told_in_time_while_everything_comes_round():
             manager.until("STOPPING")
             assert daemon.process.wait(PATIENCE) == 0
         assert not any("WATCHDOG" in message for message in manager.rest())
+
+
+def threads(process, name):
+    """Ids of the threads of this name."""
+    tasks = f"/proc/{process.pid}/task"
+    for tid in os.listdir(tasks):
+        with open(f"{tasks}/{tid}/comm", encoding="utf-8") as file:
+            if file.read().strip() == name:
+                yield int(tid)
+
+
+PTRACE_SEIZE, PTRACE_INTERRUPT, PTRACE_DETACH = 0x4206, 0x4207, 17
+
+
+@contextlib.contextmanager
+def halted(tid):
+    """One thread that runs no more, as if it were in an endless wait."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    libc.ptrace.argtypes = [ctypes.c_long, ctypes.c_long, ctypes.c_void_p, ctypes.c_void_p]
+    if libc.ptrace(PTRACE_SEIZE, tid, None, None):
+        raise tap.Skip(f"no ptrace: {os.strerror(ctypes.get_errno())}")
+    libc.ptrace(PTRACE_INTERRUPT, tid, None, None)
+    os.waitpid(tid, 0x40000000)  # __WALL
+    try:
+        yield
+    finally:
+        libc.ptrace(PTRACE_DETACH, tid, None, None)
+
+
+def test_the_watchdog_is_not_told_while_one_of_them_hangs():
+    period = 0.4
+    with Manager() as manager:
+        environment = {"NOTIFY_SOCKET": manager.path, "WATCHDOG_USEC": str(int(period * 1e6))}
+        with Daemon("--threads", "1", environment=environment) as daemon:
+            for name in ["scheduler", "journal", "MHD-worker"]:
+                tid = next(threads(daemon.process, name))
+                manager.until("WATCHDOG")
+                with halted(tid):
+                    # One HTTP thread of two is asked every other time only.
+                    told = 0
+                    for _ in range(6):
+                        manager.rest()
+                        time.sleep(period)
+                        told += any("WATCHDOG" in message for message in manager.rest())
+                    assert told < 6, name
+                    assert told == 0 or name == "MHD-worker", (name, told)
+                manager.until("WATCHDOG")  # it goes on
 
 
 def test_without_a_watchdog_nothing_is_told():
