@@ -3,6 +3,8 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 glint_status glint_thread_start(pthread_t *out, const char *name, void *(*run)(void *), void *arg,
                                 struct glint_error *err)
@@ -21,4 +23,10 @@ glint_status glint_thread_start(pthread_t *out, const char *name, void *(*run)(v
     snprintf(text, sizeof text, "%s", name);
     pthread_setname_np(*out, text);
     return GLINT_OK;
+}
+
+void glint_thread_yield_to_others(int steps)
+{
+    const id_t thread = (id_t)gettid(); // Linux has a nice for each
+    setpriority(PRIO_PROCESS, thread, getpriority(PRIO_PROCESS, thread) + steps);
 }

@@ -13,4 +13,8 @@
 glint_status glint_thread_start(pthread_t *out, const char *name, void *(*run)(void *), void *arg,
                                 struct glint_error *err);
 
+// Lets other threads of this process and machine go first from now on, by so many steps of nice.
+// Where the system forbids it, nothing changes.
+void glint_thread_yield_to_others(int steps);
+
 #endif

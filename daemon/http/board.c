@@ -1,16 +1,16 @@
 #include "http/board.h"
 
+#include "base/clock.h"
 #include "base/log.h"
-#include "http/stream.h"
 #include "protocol/exr.h"
 #include "protocol/multipart.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #define ZIP_LEVEL 4
-#define ROUND_READERS 16     // woken in one round: those who wait for events come in between
 #define DIRECT_READERS 4     // so few are woken for each tile
 #define VERSIONS_A_SECOND 12 // as a power of two: more than a render makes
 
@@ -37,12 +37,12 @@ struct glint_board {
     struct tile *tile;     // [tiles]
     struct entry *log;     // [2 * tiles], ascending sequences
     size_t logged;
-    uint64_t newest;    // sequence that is known to exist
-    uint64_t news;      // counts what readers should be woken for
-    uint64_t looked_at; // the job's sequence when it was filled last
-    bool hungry;        // a reader found nothing
-    bool filling;       // the lane has it
-    unsigned direct;    // readers to be woken for each tile
+    uint64_t newest;        // sequence that is known to exist
+    glint_stream_news news; // changed with the mutex
+    uint64_t looked_at;     // the job's sequence when it was filled last
+    bool hungry;            // a reader found nothing
+    bool filling;           // the lane has it
+    bool direct;            // readers are so few that each tile is sent at once
     bool complete, gone;
 };
 
@@ -155,8 +155,8 @@ static bool outdated(const struct glint_board *b, const struct entry *e)
 }
 
 // A cursor that no board has given yet is from a time that this one does not know.
-static enum glint_board_news read_next(struct glint_board *b, uint64_t *cursor,
-                                       struct glint_blob **part)
+static enum glint_board_answer read_next(struct glint_board *b, uint64_t *cursor,
+                                         struct glint_blob **part)
 {
     if (b->newest && *cursor > b->newest)
         *cursor = 0;
@@ -172,17 +172,22 @@ static enum glint_board_news read_next(struct glint_board *b, uint64_t *cursor,
     return GLINT_BOARD_PART;
 }
 
-enum glint_board_news glint_board_read(struct glint_board *board, uint64_t *cursor,
-                                       struct glint_blob **part)
+enum glint_board_answer glint_board_read(struct glint_board *board, uint64_t *cursor,
+                                         struct glint_blob **part)
 {
     pthread_mutex_lock(&board->mutex);
-    const enum glint_board_news news = read_next(board, cursor, part);
+    const enum glint_board_answer news = read_next(board, cursor, part);
     const bool ask = news == GLINT_BOARD_NOTHING && !board->hungry;
     board->hungry |= ask;
     pthread_mutex_unlock(&board->mutex);
     if (ask)
         glint_watch_wake(board->http->watch);
     return news;
+}
+
+const glint_stream_news *glint_board_news(const struct glint_board *board)
+{
+    return &board->news;
 }
 
 // Filling
@@ -257,12 +262,12 @@ static void post(struct glint_board *b, const struct entry *e, struct glint_blob
         tidy_log(b);
     b->log[b->logged++] = *e;
     b->hungry = false;
-    const uint64_t news = ++b->news;
-    unsigned budget = b->direct;
+    atomic_fetch_add_explicit(&b->news, 1, memory_order_release);
+    const bool direct = b->direct;
     pthread_mutex_unlock(&b->mutex);
     glint_blob_release(&old);
-    if (budget) // the round wakes who is left
-        glint_streams_wake(b->http, b, news, &budget);
+    if (direct) // the round serves who is left
+        glint_streams_serve(b->http, GLINT_STREAM_TILES, &b->news, INFINITY);
 }
 
 static int by_sequence(const void *a, const void *b)
@@ -339,7 +344,8 @@ static glint_status post_changed(struct glint_board *b, const struct glint_job_v
 static void conclude(struct glint_board *b, bool complete, bool gone)
 {
     pthread_mutex_lock(&b->mutex);
-    b->news += (complete && !b->complete) || (gone && !b->gone);
+    if ((complete && !b->complete) || (gone && !b->gone))
+        atomic_fetch_add_explicit(&b->news, 1, memory_order_release);
     b->complete = complete;
     b->gone = gone;
     b->filling = false;
@@ -401,7 +407,7 @@ static void fill_if_due(struct glint_board *b)
     if (!due)
         return;
     const unsigned users = hold(b) - 2; // but for the lane and this round
-    b->direct = users <= DIRECT_READERS ? users : 0;
+    b->direct = users <= DIRECT_READERS;
     b->task.run = fill;
     glint_offload_push(b->http->lane[GLINT_LANE_STREAM], &b->task); // has room for every stream
 }
@@ -419,16 +425,8 @@ static struct glint_board *step(glint_boards *all, struct glint_board *b)
     return next;
 }
 
-bool glint_boards_round(glint_http *http)
+void glint_boards_round(glint_http *http)
 {
-    unsigned budget = ROUND_READERS;
-    bool left = false;
-    for (struct glint_board *b = step(http->boards, NULL); b; b = step(http->boards, b)) {
+    for (struct glint_board *b = step(http->boards, NULL); b; b = step(http->boards, b))
         fill_if_due(b);
-        pthread_mutex_lock(&b->mutex);
-        const uint64_t news = b->news;
-        pthread_mutex_unlock(&b->mutex);
-        left |= news && glint_streams_wake(http, b, news, &budget);
-    }
-    return left;
 }

@@ -12,8 +12,7 @@
 #ifndef GLINT_HTTP_BOARD_H
 #define GLINT_HTTP_BOARD_H
 
-#include "http/blob.h"
-#include "http/server.h"
+#include "http/stream.h"
 
 struct glint_board;
 
@@ -24,7 +23,10 @@ void glint_boards_destroy(glint_boards **boards); // nobody reads, no lane runs
 struct glint_board *glint_boards_open(glint_http *http, const char *job);
 void glint_boards_close(struct glint_board *board);
 
-enum glint_board_news {
+// What its readers wait for.
+const glint_stream_news *glint_board_news(const struct glint_board *board);
+
+enum glint_board_answer {
     GLINT_BOARD_PART,     // *part, a reference, and *cursor, its sequence
     GLINT_BOARD_NOTHING,  // the board fills itself and wakes its readers
     GLINT_BOARD_COMPLETE, // all tiles of an ended job have been read
@@ -32,12 +34,10 @@ enum glint_board_news {
 };
 
 // The part that follows the cursor. One that was superseded since is never given.
-enum glint_board_news glint_board_read(struct glint_board *board, uint64_t *cursor,
-                                       struct glint_blob **part);
+enum glint_board_answer glint_board_read(struct glint_board *board, uint64_t *cursor,
+                                         struct glint_blob **part);
 
-// Has boards whose jobs changed filled and wakes their readers, no more at a time than the
-// library's threads serve without delay to others. True when some have to wait for the next round.
-// Watcher's thread.
-bool glint_boards_round(glint_http *http);
+// Has boards filled whose jobs changed. Watcher's thread.
+void glint_boards_round(glint_http *http);
 
 #endif

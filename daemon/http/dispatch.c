@@ -40,7 +40,7 @@ static void client_left(void *user)
 static void park(struct glint_request *r)
 {
     glint_http *h = r->http;
-    glint_watch_attend(h->watch, r->client, client_left, r);
+    glint_watch_attend(h->watch, r->client, client_left, NULL, r);
     pthread_mutex_lock(&h->lists);
     r->next_parked = h->first_parked;
     h->first_parked = r;
@@ -97,7 +97,7 @@ void glint_dispatch_parked(glint_http *http)
     struct glint_request *next;
     for (struct glint_request *r = take_due(http); r; r = next) {
         next = r->next_parked;
-        glint_watch_attend(http->watch, r->client, NULL, NULL);
+        glint_watch_attend(http->watch, r->client, NULL, NULL, NULL);
         if (atomic_load_explicit(&r->left, memory_order_relaxed))
             resume(r);
         else if (!glint_offload_push(http->lane[r->route->lane], &r->task))

@@ -4,10 +4,8 @@
 #include "base/clock.h"
 #include "http/answer.h"
 #include "http/resources.h"
-#include "http/stream.h"
 #include "http/topic.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -125,12 +123,8 @@ void glint_topics_round(glint_http *http, uint64_t cause_us)
     size_t count;
     struct glint_topic **held = hold_all(http->topics, &count);
     for (size_t i = 0; i < count; i++) {
-        struct glint_topic *t = held[i];
-        unsigned budget = UINT_MAX;
-        const uint64_t news = glint_topic_look(t, http->jobs, cause_us);
-        if (news)
-            glint_streams_wake(http, t, news, &budget);
-        close_topic(http->topics, t);
+        glint_topic_look(held[i], http->jobs, cause_us);
+        close_topic(http->topics, held[i]);
     }
     free(held);
 }
@@ -178,7 +172,8 @@ static void start(struct glint_request *r, struct events *s)
     s->resumes = last && *last;
     s->cursor = s->resumes ? strtoull(last, NULL, 10) : 0;
     s->stream = (struct glint_stream){.http = r->http,
-                                      .source = s->topic,
+                                      .kind = GLINT_STREAM_EVENTS,
+                                      .news = &s->topic->news,
                                       .read = read_events,
                                       .destroy = destroy,
                                       .ping = ": ping\n\n"};

@@ -16,8 +16,8 @@
 glint_status glint_topics_create(glint_topics **out, struct glint_error *err);
 void glint_topics_destroy(glint_topics **topics); // nobody reads
 
-// Looks at the jobs with readers and wakes these where there is news. cause_us: when that became
-// known, on the ids' clock. Watcher's thread.
+// Looks at the jobs with readers. cause_us: when it became known that there is news, on the ids'
+// clock. Watcher's thread.
 void glint_topics_round(glint_http *http, uint64_t cause_us);
 
 // The ids' clock.

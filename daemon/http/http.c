@@ -12,6 +12,7 @@
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <netinet/in.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,6 +27,7 @@
 #define MOST_CONNECTIONS (LIBRARY_THREADS * 131072u)
 #define FRAME_BYTES ((size_t)256 << 20)
 #define PING_ROUND_SECONDS 1.0
+#define TILE_SECONDS 0.0005 // of sending tiles in one round, of which there are up to 500 a second
 #define CONNECTION_BYTES ((size_t)65536) // a request's header has to fit
 
 bool glint_http_enter(glint_http *http)
@@ -81,14 +83,16 @@ static void round_of_watch(void *user)
     glint_http *h = user;
     const uint64_t cause_us = atomic_exchange_explicit(&h->cause_us, 0, memory_order_relaxed);
     glint_topics_round(h, cause_us ? cause_us : glint_topics_clock());
+    glint_streams_serve(h, GLINT_STREAM_EVENTS, NULL, INFINITY);
     glint_dispatch_parked(h);
-    if (glint_boards_round(h))
+    glint_boards_round(h);
+    if (glint_streams_serve(h, GLINT_STREAM_TILES, NULL, glint_now() + TILE_SECONDS))
         glint_watch_wake(h->watch);
     if (glint_http_draining(h))
         glint_streams_wake_all(h);
     if (glint_now() < h->pinged_at + PING_ROUND_SECONDS)
         return;
-    glint_streams_ping(h);
+    glint_streams_look_after(h);
     h->pinged_at = glint_now();
 }
 
@@ -161,7 +165,8 @@ static void refresh_metrics(void *user)
 {
     glint_http *h = user;
     pthread_mutex_lock(&h->lists);
-    const uint32_t streams = h->streams;
+    const uint32_t streams =
+        h->streams[GLINT_STREAM_EVENTS].count + h->streams[GLINT_STREAM_TILES].count;
     pthread_mutex_unlock(&h->lists);
     glint_metric_set(h->open_streams, streams);
     glint_metric_set(h->open_connections, glint_watch_clients(h->watch));
@@ -274,6 +279,9 @@ static void stop_library(glint_http *h)
     glint_http_drain(h, 0);
     pthread_mutex_lock(&h->mutex);
     h->stopping = true;
+    pthread_mutex_unlock(&h->mutex);
+    glint_streams_abort(h);
+    pthread_mutex_lock(&h->mutex);
     while (h->suspended)
         pthread_cond_wait(&h->changed, &h->mutex);
     pthread_mutex_unlock(&h->mutex);

@@ -201,6 +201,7 @@ struct glint_request *glint_request_create(glint_http *http, struct MHD_Connecti
     r->connection = connection;
     r->started = glint_now();
     r->head = !strcmp(method, "HEAD");
+    r->http10 = !strcmp(version, MHD_HTTP_VERSION_1_0);
     snprintf(r->method, sizeof r->method, "%s", method);
     r->body.fd = -1;
     r->client_name = "";

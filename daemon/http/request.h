@@ -55,7 +55,7 @@ struct glint_request {
     const char *client_name; // who asks, for fairness between clients; never NULL, "": not said
     char client_text[GLINT_CLIENT_BYTES];
     enum glint_scope scope; // what he may
-    bool head;
+    bool head, http10;
 
     char method[12]; // as it came, cut
     char *url;       // as it came, without the query; NULL without memory

@@ -23,6 +23,8 @@ enum glint_lane {
     GLINT_LANES
 };
 
+enum glint_stream_kind { GLINT_STREAM_EVENTS, GLINT_STREAM_TILES, GLINT_STREAM_KINDS };
+
 struct glint_request;
 struct glint_stream;
 typedef struct glint_boards glint_boards;
@@ -44,8 +46,10 @@ struct glint_http {
     struct glint_topics *topics; // events of such jobs
 
     pthread_mutex_t lists; // guards these; taken before any stream's mutex
-    struct glint_stream *first_stream, *last_stream;
-    uint32_t streams;
+    struct {
+        struct glint_stream *first, *last;
+        uint32_t count;
+    } streams[GLINT_STREAM_KINDS];
     struct glint_request *first_parked; // they wait for their jobs to end
 
     atomic_uint readers; // streams and parked requests; changed before a reader looks at its job

@@ -75,7 +75,8 @@ static struct tiles *make(struct glint_request *r, uint64_t since)
     }
     s->stream.read = read_tiles;
     s->stream.destroy = destroy;
-    s->stream.source = board;
+    s->stream.kind = GLINT_STREAM_TILES;
+    s->stream.news = glint_board_news(board);
     s->board = board;
     s->cursor = since;
     return s;

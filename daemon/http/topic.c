@@ -181,8 +181,8 @@ static bool find(struct glint_topic *t, uint64_t id, uint64_t *index)
     return low < t->count && event_at(t, low)->id == id;
 }
 
-static enum glint_topic_news read_next(struct glint_topic *t, uint64_t *cursor,
-                                       struct glint_blob **event)
+static enum glint_topic_answer read_next(struct glint_topic *t, uint64_t *cursor,
+                                         struct glint_blob **event)
 {
     uint64_t next;
     if (!t->count)
@@ -210,20 +210,19 @@ static struct glint_blob *write_state(struct glint_topic *t, cJSON *job, const c
 
 // Without the mutex.
 
-uint64_t glint_topic_look(struct glint_topic *topic, glint_jobs *jobs, uint64_t cause_us)
+void glint_topic_look(struct glint_topic *topic, glint_jobs *jobs, uint64_t cause_us)
 {
     pthread_mutex_lock(&topic->mutex);
     look(topic, jobs, cause_us);
-    const uint64_t news = 2 * topic->count + topic->gone;
+    atomic_store_explicit(&topic->news, 2 * topic->count + topic->gone, memory_order_release);
     pthread_mutex_unlock(&topic->mutex);
-    return news;
 }
 
-enum glint_topic_news glint_topic_read(struct glint_topic *topic, uint64_t *cursor,
-                                       struct glint_blob **event)
+enum glint_topic_answer glint_topic_read(struct glint_topic *topic, uint64_t *cursor,
+                                         struct glint_blob **event)
 {
     pthread_mutex_lock(&topic->mutex);
-    const enum glint_topic_news news = read_next(topic, cursor, event);
+    const enum glint_topic_answer news = read_next(topic, cursor, event);
     pthread_mutex_unlock(&topic->mutex);
     return news;
 }

@@ -5,8 +5,7 @@
 #ifndef GLINT_HTTP_TOPIC_H
 #define GLINT_HTTP_TOPIC_H
 
-#include "http/blob.h"
-#include "jobs/jobs.h"
+#include "http/stream.h"
 
 #include <pthread.h>
 
@@ -23,6 +22,7 @@ struct glint_topic {
     struct glint_topic *next;
     unsigned users;
     char job[GLINT_JOB_ID_BYTES];
+    glint_stream_news news; // what readers wait for
 
     pthread_mutex_t mutex;                           // guards the rest; a leaf but for the jobs'
     struct glint_topic_event ring[GLINT_TOPIC_RING]; // event i is ring[i % GLINT_TOPIC_RING]
@@ -39,18 +39,17 @@ struct glint_topic {
 struct glint_topic *glint_topic_create(const char *job); // NULL without memory
 void glint_topic_destroy(struct glint_topic *topic);
 
-// Looks at the job and publishes what is new with ids from cause_us on. Returns a number that is
-// another after each event and at the end; 0 where there has been nothing yet.
-uint64_t glint_topic_look(struct glint_topic *topic, glint_jobs *jobs, uint64_t cause_us);
+// Looks at the job and publishes what is new with ids from cause_us on.
+void glint_topic_look(struct glint_topic *topic, glint_jobs *jobs, uint64_t cause_us);
 
-enum glint_topic_news {
+enum glint_topic_answer {
     GLINT_TOPIC_EVENT,   // *event, a reference; *cursor is its id
     GLINT_TOPIC_NOTHING, // yet
     GLINT_TOPIC_LOST,    // the cursor is not in the ring any more
     GLINT_TOPIC_OVER     // the job has ended, or is forgotten
 };
-enum glint_topic_news glint_topic_read(struct glint_topic *topic, uint64_t *cursor,
-                                       struct glint_blob **event);
+enum glint_topic_answer glint_topic_read(struct glint_topic *topic, uint64_t *cursor,
+                                         struct glint_blob **event);
 
 bool glint_topic_knows(struct glint_topic *topic, uint64_t id); // it is in the ring
 

@@ -22,7 +22,7 @@ struct client {
     int fd;
     double deadline; // on glint_now()'s clock
     bool ended;      // sends nothing more
-    void (*left)(void *user);
+    void (*left)(void *user), (*reads)(void *user);
     void *user;
 };
 
@@ -72,11 +72,17 @@ static void look_after(glint_watch *w)
     }
 }
 
-static void mark_ended(glint_watch *w, uint64_t number)
+// Returns true if there is something for a round to do.
+static bool take_event(glint_watch *w, uint64_t number, uint32_t events)
 {
-    struct client *c = find(w, number);
-    if (c)
-        c->ended = true;
+    struct client *c = number == WAKE ? NULL : find(w, number);
+    if (!c)
+        return number == WAKE;
+    c->ended |= (events & (EPOLLRDHUP | EPOLLHUP | EPOLLERR)) != 0;
+    const bool reads = events & EPOLLOUT && c->reads && !c->ended;
+    if (reads)
+        c->reads(c->user);
+    return reads;
 }
 
 // Waits for events until `until`. Returns true if there was a wake.
@@ -88,10 +94,7 @@ static bool wait_for_events(glint_watch *w, double until)
     bool woken = false;
     pthread_mutex_lock(&w->mutex);
     for (int i = 0; i < n; i++)
-        if (event[i].data.u64 != WAKE)
-            mark_ended(w, event[i].data.u64);
-        else
-            woken = true;
+        woken |= take_event(w, event[i].data.u64, event[i].events);
     look_after(w);
     pthread_mutex_unlock(&w->mutex);
     return woken;
@@ -179,6 +182,12 @@ void glint_watch_wake(glint_watch *watch)
     eventfd_write(watch->event, 1);
 }
 
+static void set_interest(glint_watch *w, const struct client *c, int operation, uint32_t more)
+{
+    struct epoll_event event = {.events = EPOLLRDHUP | EPOLLET | more, .data.u64 = c->number};
+    epoll_ctl(w->poll, operation, c->fd, &event);
+}
+
 uint64_t glint_watch_add(glint_watch *watch, int fd, double seconds)
 {
     struct client *c = calloc(1, sizeof *c);
@@ -194,8 +203,7 @@ uint64_t glint_watch_add(glint_watch *watch, int fd, double seconds)
     watch->first = c;
     watch->clients++;
     const uint64_t number = c->number;
-    struct epoll_event end = {.events = EPOLLRDHUP | EPOLLET, .data.u64 = number};
-    epoll_ctl(watch->poll, EPOLL_CTL_ADD, fd, &end);
+    set_interest(watch, c, EPOLL_CTL_ADD, 0);
     pthread_mutex_unlock(&watch->mutex);
     return number;
 }
@@ -224,13 +232,17 @@ void glint_watch_deadline(glint_watch *watch, uint64_t client, double seconds)
     pthread_mutex_unlock(&watch->mutex);
 }
 
-void glint_watch_attend(glint_watch *watch, uint64_t client, void (*left)(void *user), void *user)
+void glint_watch_attend(glint_watch *watch, uint64_t client, void (*left)(void *user),
+                        void (*reads)(void *user), void *user)
 {
     pthread_mutex_lock(&watch->mutex);
     struct client *c = find(watch, client);
     if (c) {
         c->left = left;
         c->user = user;
+        if (!c->reads != !reads)
+            set_interest(watch, c, EPOLL_CTL_MOD, reads ? EPOLLOUT : 0);
+        c->reads = reads;
     }
     pthread_mutex_unlock(&watch->mutex);
 }

@@ -3,8 +3,8 @@
 //
 // Clients go by number, which is never used twice: a client that is gone is not an error.
 //
-// Thread-safety: any thread, except create and destroy. `left` is called on the watcher's thread
-// under its mutex, so it must not call back into this module.
+// Thread-safety: any thread, except create and destroy. `left` and `reads` are called on the
+// watcher's thread under its mutex, so they must not call back into this module.
 #ifndef GLINT_HTTP_WATCH_H
 #define GLINT_HTTP_WATCH_H
 
@@ -28,8 +28,10 @@ uint64_t glint_watch_add(glint_watch *watch, int fd, double seconds);
 void glint_watch_remove(glint_watch *watch, uint64_t client);
 void glint_watch_deadline(glint_watch *watch, uint64_t client, double seconds); // INFINITY: none
 
-// Calls left(user) once if the client closes its end; NULL ends that.
-void glint_watch_attend(glint_watch *watch, uint64_t client, void (*left)(void *user), void *user);
+// Calls left(user) once if the client closes its end; NULL ends that. Where `reads` is given, calls
+// reads(user) whenever the socket takes bytes again, and a round follows.
+void glint_watch_attend(glint_watch *watch, uint64_t client, void (*left)(void *user),
+                        void (*reads)(void *user), void *user);
 
 uint32_t glint_watch_clients(glint_watch *watch); // connections that are open
 

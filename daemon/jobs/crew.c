@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #define MOVER_ORDERS 256
+#define WORKER_NICE 5 // who waits for an event or an answer does not wait for a slice
 
 struct order {
     struct glint_entry *entry; // alive while a slice of it is out
@@ -41,6 +42,7 @@ static void *work(void *arg)
 {
     const struct member *m = arg;
     glint_worker *worker = glint_devices_worker(m->devices, m->index);
+    glint_thread_yield_to_others(WORKER_NICE);
     glint_worker_enter(worker);
     for (struct order order; glint_queue_pop(m->orders, &order);) {
         struct glint_message answer = {.kind = GLINT_MESSAGE_RETURNED,

@@ -266,6 +266,36 @@ void glint_jobs_release(glint_jobs *jobs, struct glint_job_view *view)
     *view = (struct glint_job_view){0};
 }
 
+void glint_jobs_stats(glint_jobs *jobs, struct glint_jobs_stats *out)
+{
+    *out = (struct glint_jobs_stats){.submitted = jobs->count};
+}
+
+uint32_t glint_jobs_workers(glint_jobs *jobs, struct glint_worker_use *out, uint32_t capacity)
+{
+    (void)jobs;
+    for (uint32_t w = 0; w < capacity; w++)
+        out[w] = (struct glint_worker_use){0};
+    return 1;
+}
+
+const char *glint_wait_name(enum glint_wait wait)
+{
+    return wait ? "turn" : NULL;
+}
+
+void glint_store_stats(glint_store *store, struct glint_store_stats *out)
+{
+    (void)store;
+    *out = (struct glint_store_stats){.scenes = 1};
+}
+
+bool glint_jobs_belongs(glint_jobs *jobs, const char *id, const char *client)
+{
+    (void)jobs, (void)id, (void)client;
+    return true;
+}
+
 // render.h
 
 uint32_t glint_render_tiles(const glint_render *render)
@@ -401,6 +431,12 @@ glint_assets *glint_store_assets(glint_store *store)
     return store->assets;
 }
 
+glint_status glint_store_put_asset(glint_store *store, const struct glint_asset *asset,
+                                   glint_memory_ref *memory, bool *created, struct glint_error *err)
+{
+    return glint_assets_put(store->assets, asset, memory, created, err);
+}
+
 glint_status glint_store_get(glint_store *store, const char *name, glint_revision **out,
                              struct glint_error *err)
 {
@@ -434,6 +470,12 @@ cJSON *glint_store_list(glint_store *store)
 void glint_revision_release(glint_revision **revision)
 {
     *revision = NULL;
+}
+
+glint_status glint_revision_load(glint_revision *revision, struct glint_error *err)
+{
+    (void)revision, (void)err;
+    return GLINT_OK;
 }
 
 const char *glint_revision_id(const glint_revision *revision)
