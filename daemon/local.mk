@@ -95,6 +95,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/scenes.c \
 	daemon/http/server.h \
 	daemon/http/service.c \
+	daemon/http/stats.c \
 	daemon/http/stream.c \
 	daemon/http/stream.h \
 	daemon/http/tiles.c \

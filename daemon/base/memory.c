@@ -53,3 +53,13 @@ uint64_t glint_memory_total(void)
         fclose(f);
     return total;
 }
+
+uint64_t glint_memory_resident(void)
+{
+    unsigned long long pages = 0;
+    FILE *f = fopen("/proc/self/statm", "re");
+    const int found = f ? fscanf(f, "%*u %llu", &pages) : 0;
+    if (f)
+        fclose(f);
+    return found == 1 ? pages * (uint64_t)sysconf(_SC_PAGESIZE) : 0;
+}

@@ -10,4 +10,7 @@
 // the group's limit, whichever is less.
 uint64_t glint_memory_total(void);
 
+// Bytes of this process that are in memory now, 0: not known.
+uint64_t glint_memory_resident(void);
+
 #endif

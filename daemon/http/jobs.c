@@ -9,11 +9,53 @@
 
 #define MAX_KEY 255
 
+static bool is_state(const char *text, size_t length, enum glint_job_state state)
+{
+    const char *name = glint_job_state_name(state);
+    return strlen(name) == length && !strncmp(name, text, length);
+}
+
+// Bits of the states named in a list with commas.
+static void read_states(const struct glint_request *r, uint32_t *out, struct glint_error *err)
+{
+    const char *text = glint_request_query(r, "state");
+    for (const char *p = text; p; p = p[strcspn(p, ",")] ? strchr(p, ',') + 1 : NULL) {
+        const size_t length = strcspn(p, ",");
+        int state = GLINT_JOB_QUEUED;
+        while (state <= GLINT_JOB_CANCELLED && !is_state(p, length, (enum glint_job_state)state))
+            state++;
+        if (state > GLINT_JOB_CANCELLED)
+            glint_fail(err, GLINT_E_RANGE, "",
+                       "state: %.*s is none of queued, rendering, paused, done, failed, cancelled",
+                       (int)(length < 40 ? length : 40), p);
+        else
+            *out |= 1u << state;
+    }
+}
+
+static void read_filter(const struct glint_request *r, struct glint_jobs_filter *out,
+                        struct glint_error *err)
+{
+    const char *tenant = glint_auth_tenant(r);
+    uint64_t limit = 0;
+    *out = (struct glint_jobs_filter){.client = glint_request_query(r, "client"),
+                                      .after = glint_request_query(r, "after")};
+    glint_query_check(r, err);
+    read_states(r, &out->states, err);
+    glint_query_integer(r, "limit", UINT32_MAX, &limit, err);
+    out->limit = (uint32_t)limit;
+    if (tenant && out->client && strcmp(tenant, out->client) != 0)
+        glint_fail(err, GLINT_E_RANGE, "", "client: %.64s sees his own jobs only", tenant);
+    if (tenant)
+        out->client = tenant;
+}
+
 void glint_http_jobs_list(struct glint_request *r)
 {
     struct glint_error err = {0};
-    const struct glint_jobs_filter filter = {.client = glint_auth_tenant(r)};
-    cJSON *list = glint_jobs_list(r->http->jobs, &filter, &err);
+    struct glint_jobs_filter filter;
+    read_filter(r, &filter, &err);
+    cJSON *list = err.count ? NULL : glint_jobs_list(r->http->jobs, &filter, &err);
     if (list)
         glint_answer_json(r, MHD_HTTP_OK, list);
     else

@@ -48,6 +48,9 @@ void glint_http_service_metrics(struct glint_request *r);
 void glint_http_service_contract(struct glint_request *r);
 void glint_http_service_describe(struct glint_request *r);
 
+// stats.c
+void glint_http_service_stats(struct glint_request *r);
+
 // viewer.c
 void glint_http_viewer_index(struct glint_request *r);
 void glint_http_viewer_file(struct glint_request *r);

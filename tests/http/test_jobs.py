@@ -1,4 +1,5 @@
 """Jobs: submitted, checked, rendered, cancelled, shared."""
+import json
 import threading
 
 import tap
@@ -137,6 +138,104 @@ def test_two_jobs_share_the_workers():
         assert 0.5 < done[0] / done[1] < 2, done
         for job in jobs:
             daemon.delete(f"/v1/jobs/{job}")
+
+
+def patch(daemon, job, body):
+    return daemon.ask("PATCH", f"/v1/jobs/{job}", json.dumps(body).encode(),
+                      {"Content-Type": "application/merge-patch+json"})
+
+
+def done(state):
+    return state["state"] == "done"
+
+
+def test_who_is_preempted_goes_on_to_the_same_bytes():
+    with Daemon("--threads", "2") as daemon:
+        daemon.put("room", ROOM)
+        twin = daemon.frame(daemon.submit(scene="room", stop={"samples": 48}, seed=1))
+        low = daemon.submit(scene="room", stop={"samples": 48}, seed=1)
+        high = daemon.submit(scene="room", stop={"samples": 64}, seed=2, priority=5)
+        daemon.until(high, done)
+        assert daemon.frame(low) == twin
+
+
+def test_a_client_with_one_job_gets_as_much_as_one_with_many():
+    with Daemon("--threads", "2") as daemon:
+        daemon.put("room", ROOM)
+        body = {"scene": "room", "resolution": [128, 96], "stop": {"samples": 1000000}}
+        many = [daemon.post(body, {"Glint-Client": "many"}).json()["id"] for _ in range(5)]
+        one = daemon.post(body, {"Glint-Client": "one"}).json()["id"]
+        for job in many + [one]:
+            daemon.until(job, lambda j: j["samples"] >= 4)
+        def spent(jobs):
+            return sum(daemon.job(job)["worker_seconds"] for job in jobs)
+        start = spent(many), spent([one])
+        daemon.until(one, lambda j: spent([one]) >= start[1] + 1)
+        assert 0.7 < (spent(many) - start[0]) / (spent([one]) - start[1]) < 1.4
+        assert {j["client"] for j in daemon.get("/v1/jobs?client=one").json()["jobs"]} == {"one"}
+
+
+def test_jobs_are_listed_by_state_and_client_a_page_at_a_time():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        body = {"scene": "room", "resolution": [64, 64], "stop": {"samples": 1}}
+        jobs = [daemon.post(body, {"Glint-Client": c}).json()["id"] for c in ("a", "b", "a", "a")]
+        for job in jobs:
+            daemon.until(job, done)
+
+        def listed(query):
+            answer = daemon.get(f"/v1/jobs?{query}").json()
+            return [j["id"] for j in answer["jobs"]], answer["next"]
+        assert listed("") == (jobs, None)
+        assert listed("client=a") == ([jobs[0], jobs[2], jobs[3]], None)
+        assert listed("state=queued,rendering") == ([], None)
+        assert listed("state=failed,done&limit=3") == (jobs[:3], jobs[2])
+        assert listed(f"limit=3&after={jobs[2]}") == (jobs[3:], None)
+        assert listed(f"limit=1&client=a&after={jobs[0]}") == ([jobs[2]], jobs[2])
+        bad = daemon.get("/v1/jobs?state=done,smiling&limit=-1&colour=1")
+        assert bad.status == 422 and len(bad.json()["errors"]) == 3, bad.body
+        assert daemon.get("/v1/jobs?after=nobody").status == 422
+        whole = daemon.get("/v1/jobs")
+        assert daemon.get("/v1/jobs", {"If-None-Match": whole.headers["ETag"]}).status == 304
+
+
+def test_a_job_names_the_request_that_brought_it():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        body = {"scene": "room", "resolution": [64, 64], "stop": {"samples": 1}}
+        job = daemon.post(body, {"X-Request-Id": "shot-7.take-2"}).json()
+        assert job["request"] == "shot-7.take-2" and job["client"] == ""
+        assert job["memory_bytes"] > 64 * 64 * 16
+
+
+def test_the_house_tells_what_it_does():
+    with Daemon("--threads", "2") as daemon:
+        daemon.put("room", ROOM)
+        idle = daemon.get("/v1/stats").json()
+        assert [w["job"] for w in idle["workers"]] == [None, None]
+        job = daemon.submit(scene="room", stop={"samples": 1000000})
+        daemon.until(job, lambda j: j["samples"] >= 16)
+        busy = daemon.get("/v1/stats").json()
+        assert job in [w["job"] for w in busy["workers"]]
+        assert max(w["busy"] for w in busy["workers"]) > 0
+        assert busy["jobs"]["rendering"] == 1 and busy["slices"] > 0
+        memory = busy["memory"]
+        assert 0 < memory["film_bytes"] + memory["scene_bytes"] < memory["limit_bytes"]
+        assert memory["limit_bytes"] < memory["machine_bytes"] and memory["resident_bytes"] > 0
+        daemon.delete(f"/v1/jobs/{job}")
+        daemon.until(job, lambda j: j["state"] == "cancelled")
+        after = daemon.get("/v1/stats").json()
+        assert after["memory"]["film_bytes"] == 0 < after["memory"]["ended_film_bytes"]
+
+
+def test_what_can_never_fit_is_refused_with_figures():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        answer = daemon.post({"scene": "room", "resolution": [16384, 16384],
+                              "outputs": ["beauty", "depth", "normal", "albedo", "crypto_object"]})
+        assert answer.status == 507 and answer.pointers() == ["/resolution"], answer.body
+        assert "GiB" in answer.json()["errors"][0]["detail"]
+        assert daemon.get("/v1/jobs").json()["jobs"] == []
 
 
 def test_a_repeated_submission_is_one_job():
