@@ -206,8 +206,8 @@ const struct glint_command glint_command_top = {
     .name = "top",
     .operands = "",
     .summary = "Show the jobs, workers and memory of a daemon",
-    .detail = "On a terminal it is drawn anew until q is typed. WORKERS is how many worked on a\n"
-              "job since the last look.",
+    .detail = "On a terminal it is drawn anew until q is typed. WORKERS is how many worked on\n"
+              "a job since the last look.",
     .options = options,
     .run = run_top,
 };
