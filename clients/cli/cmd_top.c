@@ -5,14 +5,13 @@
 #include "screen.h"
 #include "table.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #define DEFAULT_DELAY 2.0
-#define HEAD_LINES 4
+#define HEAD_LINES 7 // and the line of titles
 
 static const struct glint_column row[] = {
     {"JOB", "id", GLINT_COLUMN_TEXT},
@@ -60,58 +59,55 @@ static cJSON *choose(const cJSON *jobs, int most)
     return list;
 }
 
-static void print_bytes(const char *name, double bytes)
+static const cJSON *jobs_of(const struct glint_house *house)
 {
-    if (isfinite(bytes))
-        printf("   %s %.1f MiB", name, bytes / (1 << 20));
+    return cJSON_GetObjectItemCaseSensitive(house->jobs, "jobs");
 }
 
-static void print_head(const struct glint_session *s, const struct glint_house *now, double busy)
+static void print_count(const cJSON *counts, const char *name, const char *before)
 {
-    unsigned count[STATES] = {0};
-    const cJSON *job;
-    cJSON_ArrayForEach(job, now->jobs)
-        for (size_t i = 0; i < STATES; i++)
-            count[i] += is_in(job, states[i]);
-    printf("%s   workers ", glint_client_url(s->client));
-    if (isfinite(busy))
-        printf("%.1f of ", busy);
-    printf("%.0f", now->workers);
-    print_bytes("memory", now->resident_bytes);
-    print_bytes("scenes", now->scene_bytes);
-    print_bytes("films", now->film_bytes);
-    fputs("\njobs ", stdout);
+    const cJSON *count = cJSON_GetObjectItemCaseSensitive(counts, name);
+    printf("%s%.0f %s", before, cJSON_IsNumber(count) ? count->valuedouble : 0, name);
+}
+
+static const struct glint_column memory[] = {
+    {"RESIDENT", "resident_bytes", GLINT_COLUMN_BYTES},
+    {"SCENES", "scene_bytes", GLINT_COLUMN_BYTES},
+    {"FILMS", "film_bytes", GLINT_COLUMN_BYTES},
+    {"OF ENDED JOBS", "ended_film_bytes", GLINT_COLUMN_BYTES},
+    {"LIMIT", "limit_bytes", GLINT_COLUMN_BYTES},
+    {0},
+};
+
+static void print_head(const struct glint_session *s, const struct glint_house *now)
+{
+    const cJSON *counts = cJSON_GetObjectItemCaseSensitive(now->stats, "jobs");
+    const cJSON *workers = cJSON_GetObjectItemCaseSensitive(now->stats, "workers");
+    printf("%s: %.1f of %d workers at work; jobs:", glint_client_url(s->client),
+           glint_house_busy(now), cJSON_GetArraySize(workers));
     for (size_t i = 0; i < STATES; i++)
-        printf("%s%u %s", i ? ", " : "", count[i], states[i]);
+        print_count(counts, states[i], i ? ", " : " ");
     fputs("\n\n", stdout);
+    cJSON *rows = cJSON_CreateArray();
+    cJSON_AddItemReferenceToArray(rows, cJSON_GetObjectItemCaseSensitive(now->stats, "memory"));
+    glint_table_print(memory, rows);
+    cJSON_Delete(rows);
+    putchar('\n');
 }
 
-static void print_house(const struct glint_session *s, const struct glint_house *now, double busy,
-                        int most)
+static void print_house(const struct glint_session *s, const struct glint_house *now, int most)
 {
-    cJSON *list = choose(now->jobs, most);
-    print_head(s, now, busy);
+    cJSON *list = choose(jobs_of(now), most);
+    print_head(s, now);
     glint_table_print(row, list);
     cJSON_Delete(list);
 }
 
-static void add_known(cJSON *object, const char *name, double value)
-{
-    if (isfinite(value))
-        cJSON_AddNumberToObject(object, name, value);
-}
-
-static void print_document(struct glint_house *now)
+static void print_document(const struct glint_house *now)
 {
     cJSON *document = cJSON_CreateObject();
-    add_known(document, "workers", now->workers);
-    add_known(document, "worker_busy_seconds", now->busy_seconds);
-    cJSON *memory = cJSON_AddObjectToObject(document, "memory");
-    add_known(memory, "resident_bytes", now->resident_bytes);
-    add_known(memory, "scene_bytes", now->scene_bytes);
-    add_known(memory, "film_bytes", now->film_bytes);
-    cJSON_AddItemToObject(document, "jobs", now->jobs ? now->jobs : cJSON_CreateArray());
-    now->jobs = NULL;
+    cJSON_AddItemToObject(document, "stats", cJSON_Duplicate(now->stats, true));
+    cJSON_AddItemToObject(document, "jobs", cJSON_Duplicate(jobs_of(now), true));
     glint_session_print(document);
 }
 
@@ -142,7 +138,6 @@ static glint_status read_pace(struct pace *out, struct glint_session *s,
 static void show(const struct glint_session *s, const struct pace *p, struct glint_screen *screen,
                  struct glint_house *before, struct glint_house *now)
 {
-    const double busy = glint_house_busy(before, now);
     glint_house_compare(before, now);
     if (s->json) {
         print_document(now);
@@ -150,7 +145,7 @@ static void show(const struct glint_session *s, const struct pace *p, struct gli
     }
     if (p->screen)
         glint_screen_clear(screen);
-    print_house(s, now, busy, p->screen ? glint_screen_lines() - HEAD_LINES : INT32_MAX);
+    print_house(s, now, p->screen ? glint_screen_lines() - HEAD_LINES : INT32_MAX);
     fflush(stdout);
 }
 

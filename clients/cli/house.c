@@ -5,17 +5,6 @@
 #include <string.h>
 #include <time.h>
 
-double glint_house_metric(const char *text, const char *name)
-{
-    const size_t length = strlen(name);
-    for (const char *line = text; line; line = strchr(line, '\n')) {
-        line += *line == '\n';
-        if (strncmp(line, name, length) == 0 && line[length] == ' ')
-            return strtod(line + length + 1, NULL);
-    }
-    return NAN;
-}
-
 static double now(void)
 {
     struct timespec t;
@@ -23,47 +12,23 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void read_metrics(struct glint_house *out, const char *text)
-{
-    out->workers = glint_house_metric(text, "glint_workers");
-    out->busy_seconds = glint_house_metric(text, "glint_worker_busy_seconds_total");
-    out->scene_bytes = glint_house_metric(text, "glint_scene_resident_bytes");
-    out->film_bytes = glint_house_metric(text, "glint_film_bytes");
-    out->resident_bytes = glint_house_metric(text, "process_resident_memory_bytes");
-}
-
 glint_status glint_house_look(struct glint_session *s, struct glint_house *out,
                               struct glint_error *err)
 {
-    cJSON *list;
-    struct glint_answer metrics;
     *out = (struct glint_house){.seconds = now()};
-    glint_status status = glint_client_get(s->client, "/v1/jobs", NULL, NULL, &list, err);
+    glint_status status = glint_client_get(s->client, "/v1/jobs", NULL, NULL, &out->jobs, err);
+    if (!status)
+        status = glint_client_get(s->client, "/v1/stats", NULL, NULL, &out->stats, err);
     if (status)
-        return status;
-    const struct glint_request request = {.method = "GET", .path = "/metrics"};
-    status = glint_client_send(s->client, &request, &metrics, err);
-    if (!status) {
-        read_metrics(out, metrics.body);
-        out->jobs = cJSON_DetachItemFromObjectCaseSensitive(list, "jobs");
-        free(metrics.body);
-    }
-    cJSON_Delete(list);
+        glint_house_finish(out);
     return status;
 }
 
 void glint_house_finish(struct glint_house *house)
 {
     cJSON_Delete(house->jobs);
+    cJSON_Delete(house->stats);
     *house = (struct glint_house){0};
-}
-
-double glint_house_busy(const struct glint_house *before, const struct glint_house *after)
-{
-    const double seconds = after->seconds - before->seconds;
-    if (!before->jobs || seconds <= 0)
-        return NAN;
-    return fmax((after->busy_seconds - before->busy_seconds) / seconds, 0);
 }
 
 static double number_of(const cJSON *job, const char *name)
@@ -72,11 +37,27 @@ static double number_of(const cJSON *job, const char *name)
     return cJSON_IsNumber(item) ? item->valuedouble : NAN;
 }
 
-static const cJSON *find_job(const cJSON *jobs, const char *id)
+static const cJSON *member(const cJSON *object, const char *name)
+{
+    return cJSON_GetObjectItemCaseSensitive(object, name);
+}
+
+double glint_house_busy(const struct glint_house *house)
+{
+    double busy = 0;
+    const cJSON *worker;
+    cJSON_ArrayForEach(worker, member(house->stats, "workers")) {
+        const double share = number_of(worker, "busy");
+        busy += isfinite(share) ? share : 0;
+    }
+    return busy;
+}
+
+static const cJSON *find_job(const struct glint_house *house, const char *id)
 {
     const cJSON *job;
-    cJSON_ArrayForEach(job, jobs) {
-        const char *other = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(job, "id"));
+    cJSON_ArrayForEach(job, member(house->jobs, "jobs")) {
+        const char *other = cJSON_GetStringValue(member(job, "id"));
         if (id && other && strcmp(id, other) == 0)
             return job;
     }
@@ -87,9 +68,8 @@ void glint_house_compare(const struct glint_house *before, struct glint_house *a
 {
     const double seconds = after->seconds - before->seconds;
     cJSON *job;
-    cJSON_ArrayForEach(job, after->jobs) {
-        const cJSON *old = find_job(
-            before->jobs, cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(job, "id")));
+    cJSON_ArrayForEach(job, member(after->jobs, "jobs")) {
+        const cJSON *old = find_job(before, cJSON_GetStringValue(member(job, "id")));
         const double worked =
             number_of(job, "worker_seconds") - (old ? number_of(old, "worker_seconds") : 0);
         if (before->jobs && seconds > 0 && isfinite(worked))
