@@ -138,23 +138,27 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/use.c \
 	daemon/jobs/use.h \
 	daemon/render/archive.c \
+	daemon/render/archive.h \
 	daemon/render/camera.c \
+	daemon/render/capture.c \
+	daemon/render/capture.h \
 	daemon/render/effects.c \
 	daemon/render/effects.h \
 	daemon/render/estimate.c \
 	daemon/render/estimate.h \
 	daemon/render/film.c \
 	daemon/render/film.h \
+	daemon/render/film_capture.c \
+	daemon/render/film_parts.h \
 	daemon/render/inside.c \
 	daemon/render/internal.h \
-	daemon/render/mattes.c \
+	daemon/render/pass.c \
 	daemon/render/plan.c \
 	daemon/render/plan.h \
-	daemon/render/ranking.c \
-	daemon/render/ranking.h \
 	daemon/render/render.c \
 	daemon/render/render.h \
 	daemon/render/resolve.c \
+	daemon/render/restore.c \
 	daemon/render/size.c \
 	daemon/render/view.c \
 	daemon/render/wave.c \

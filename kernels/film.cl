@@ -15,10 +15,11 @@ __kernel void accumulate_colour(const __global float *restrict wave, const gk_u3
                  b = GK_LOAD(GK_COL_LB, lane + i);
     const gk_i32 finite = gk_isfinite(r) && gk_isfinite(g) && gk_isfinite(b);
     __global float *tile = film + offset;
-    __global float *colour = tile + (GK_PLANE_COLOUR + half_index * 6u) * GK_TILE_PIXELS;
+    __global float *colour =
+        tile + (GK_PLANE_COLOUR + half_index * 3u * GK_SUM_PLANES) * GK_TILE_PIXELS;
     gk_film_add(colour, i, finite ? r : 0.0f);
-    gk_film_add(colour + 2 * GK_TILE_PIXELS, i, finite ? g : 0.0f);
-    gk_film_add(colour + 4 * GK_TILE_PIXELS, i, finite ? b : 0.0f);
+    gk_film_add(colour + GK_SUM_PLANES * GK_TILE_PIXELS, i, finite ? g : 0.0f);
+    gk_film_add(colour + 2 * GK_SUM_PLANES * GK_TILE_PIXELS, i, finite ? b : 0.0f);
     __global gk_u32 *hits = (__global gk_u32 *)tile + GK_PLANE_HITS * GK_TILE_PIXELS;
     __global gk_u32 *rejected = (__global gk_u32 *)tile + GK_PLANE_REJECTED * GK_TILE_PIXELS;
     hits[i] += GK_LOAD_U32(GK_COL_KEY, lane + i) != GK_MATTE_BACKGROUND ? 1u : 0u;
@@ -26,6 +27,18 @@ __kernel void accumulate_colour(const __global float *restrict wave, const gk_u3
 }
 
 #ifdef GK_AOVS
+GK_INLINE void add_unit(__global gk_u32 *sum, const gk_u32 i, const gk_f32 x)
+{
+    gk_film_add_fixed(sum, i, x, GK_FIXED_UNIT_LARGEST, GK_FIXED_UNIT);
+}
+
+#ifdef GK_FLOW
+GK_INLINE void add_flow(__global gk_u32 *sum, const gk_u32 i, const gk_f32 x)
+{
+    gk_film_add_fixed(sum, i, x, GK_FIXED_FLOW_LARGEST, GK_FIXED_FLOW);
+}
+#endif
+
 __kernel void accumulate_aovs(const __global float *restrict wave, const gk_u32 stride,
                               const gk_u32 n, const gk_u32 lane, __global float *restrict film,
                               const gk_u32 offset)
@@ -35,20 +48,20 @@ __kernel void accumulate_aovs(const __global float *restrict wave, const gk_u32 
         return;
     __global float *tile = film + offset + GK_PLANES_BASE * GK_TILE_PIXELS;
     tile[i] = gk_min(tile[i], GK_LOAD(GK_COL_Z, lane + i));
-    __global float *normal = tile + GK_AOV_NORMAL * GK_TILE_PIXELS;
-    gk_film_add(normal, i, GK_LOAD(GK_COL_FNX, lane + i));
-    gk_film_add(normal + 2 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_FNY, lane + i));
-    gk_film_add(normal + 4 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_FNZ, lane + i));
-    __global float *albedo = tile + GK_AOV_ALBEDO * GK_TILE_PIXELS;
-    gk_film_add(albedo, i, GK_LOAD(GK_COL_AR, lane + i));
-    gk_film_add(albedo + 2 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_AG, lane + i));
-    gk_film_add(albedo + 4 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_AB, lane + i));
+    __global gk_u32 *normal = (__global gk_u32 *)tile + GK_AOV_NORMAL * GK_TILE_PIXELS;
+    add_unit(normal, i, GK_LOAD(GK_COL_FNX, lane + i));
+    add_unit(normal + 2 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_FNY, lane + i));
+    add_unit(normal + 4 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_FNZ, lane + i));
+    __global gk_u32 *albedo = (__global gk_u32 *)tile + GK_AOV_ALBEDO * GK_TILE_PIXELS;
+    add_unit(albedo, i, GK_LOAD(GK_COL_AR, lane + i));
+    add_unit(albedo + 2 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_AG, lane + i));
+    add_unit(albedo + 4 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_AB, lane + i));
 #ifdef GK_FLOW
-    __global float *flow = tile + GK_AOV_FLOW * GK_TILE_PIXELS;
-    gk_film_add(flow, i, GK_LOAD(GK_COL_FORWARD_U, lane + i));
-    gk_film_add(flow + 2 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_FORWARD_V, lane + i));
-    gk_film_add(flow + 4 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_BACKWARD_U, lane + i));
-    gk_film_add(flow + 6 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_BACKWARD_V, lane + i));
+    __global gk_u32 *flow = (__global gk_u32 *)tile + GK_AOV_FLOW * GK_TILE_PIXELS;
+    add_flow(flow, i, GK_LOAD(GK_COL_FORWARD_U, lane + i));
+    add_flow(flow + 2 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_FORWARD_V, lane + i));
+    add_flow(flow + 4 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_BACKWARD_U, lane + i));
+    add_flow(flow + 6 * GK_TILE_PIXELS, i, GK_LOAD(GK_COL_BACKWARD_V, lane + i));
 #endif
 }
 #endif

@@ -34,6 +34,7 @@ const struct glint_field glint_job_fields[] = {
     GLINT_FIELD_KNOWN("mattes"),
     GLINT_FIELD_KNOWN("filter"),
     GLINT_FIELD_KNOWN("stop"),
+    GLINT_FIELD_KNOWN("sample_range"),
     GLINT_FIELD(UINT, struct glint_job, frame, .high = UINT32_MAX),
     GLINT_FIELD(FLOAT, struct glint_job, fps, .high = 1000),
     GLINT_FIELD(FLOAT, struct glint_job, shutter, .count = 2, .low = -16, .high = 16),
@@ -93,6 +94,25 @@ const char *glint_output_name(uint32_t bit)
         if (outputs[i].bit == bit)
             return outputs[i].name;
     return NULL;
+}
+
+glint_status glint_job_copy(struct glint_job *out, const struct glint_job *job,
+                            struct glint_error *err)
+{
+    *out = *job;
+    out->arena = (struct glint_arena){0};
+    char **const string[] = {&out->scene,     &out->name,      &out->camera_name,
+                             &out->animation, &out->camera.id, &out->camera.name};
+    bool fine = true;
+    for (size_t i = 0; i < sizeof string / sizeof *string; i++) {
+        char *copy = glint_arena_string(&out->arena, *string[i]);
+        fine &= copy || !*string[i];
+        *string[i] = copy;
+    }
+    if (fine)
+        return GLINT_OK;
+    glint_arena_finish(&out->arena);
+    return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a job");
 }
 
 void glint_job_destroy(struct glint_job **job)

@@ -65,6 +65,9 @@ struct glint_job {
     char *animation;      // id or name; NULL: the scene's first; "none": the scene at rest
     bool live;            // follows the scene's revisions and camera moves
     uint32_t seed;
+    // First index and the one after the last, where only these of a frame's samples are wanted:
+    // stop.samples is their number. Both 0: all from the first on, until it stops.
+    uint32_t sample_range[2];
     struct glint_job_stop stop; // absent: GLINT_DEFAULT_SAMPLES
     int32_t priority;           // -100..100
 };
@@ -73,6 +76,11 @@ struct glint_job {
 // `camera` and `scene` are not looked up here.
 glint_status glint_job_parse(struct glint_job **out, const char *text, size_t length,
                              struct glint_error *err);
+
+// Initialises *out as an equal job with strings of its own, which glint_arena_finish(&out->arena)
+// frees. GLINT_E_NOMEM: there is nothing to free.
+glint_status glint_job_copy(struct glint_job *out, const struct glint_job *job,
+                            struct glint_error *err);
 
 void glint_job_destroy(struct glint_job **job);
 

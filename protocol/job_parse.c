@@ -187,6 +187,31 @@ static void read_stop(const struct glint_json *at, struct glint_job *job)
     glint_fields_read(at, glint_stop_fields, &job->arena, &job->stop);
 }
 
+// The range says how many samples there are, and a part of a frame does not know the error of all.
+static void read_sample_range(const struct glint_json *root, struct glint_job *job)
+{
+    const struct glint_json at = glint_json_member(root, "sample_range");
+    const struct glint_json stop = glint_json_member(root, "stop");
+    const struct glint_json samples = glint_json_member(&stop, "samples");
+    const struct glint_json error = glint_json_member(&stop, "error");
+    const struct glint_json live = glint_json_member(root, "live");
+    uint32_t range[2];
+    if (!at.value || !glint_json_uints(&at, 2, 0, GLINT_MAX_SAMPLES, range))
+        return;
+    if (range[0] >= range[1]) {
+        glint_json_fault(&at, "from %u to %u there is no sample", range[0], range[1]);
+        return;
+    }
+    memcpy(job->sample_range, range, sizeof range);
+    job->stop.samples = range[1] - range[0];
+    if (samples.value)
+        glint_json_fault(&samples, "the sample range says how many samples there are");
+    if (error.value)
+        glint_json_fault(&error, "a job with a sample range does not stop by its error");
+    if (job->live)
+        glint_json_fault(&live, "a live job has no sample range");
+}
+
 // Frames a second: the scene's where it is 0, else as in a scene.
 static void check_time(const struct glint_json *root, const struct glint_job *job)
 {
@@ -226,6 +251,7 @@ static void read_members(const struct glint_json *root, struct glint_job *job)
         const struct glint_json at = glint_json_member(root, parts[i].name);
         parts[i].read(&at, job);
     }
+    read_sample_range(root, job);
     check_live(root, job);
     if (!job->name)
         job->name = glint_arena_string(&job->arena, "");

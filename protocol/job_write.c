@@ -67,11 +67,12 @@ static void write_dials(struct glint_text *t, const char *parent, const struct g
 }
 
 // What was not asked for is left out: an absent member of `stop` imposes nothing.
-static void write_stop(struct glint_text *t, const struct glint_job_stop *stop)
+static void write_stop(struct glint_text *t, const struct glint_job *job)
 {
+    const struct glint_job_stop *stop = &job->stop;
     glint_text_key(t, "stop");
     glint_text_add(t, "{");
-    if (stop->samples < GLINT_MAX_SAMPLES) {
+    if (stop->samples < GLINT_MAX_SAMPLES && !job->sample_range[1]) {
         glint_text_key(t, "samples");
         glint_text_print(t, "%u", stop->samples);
     }
@@ -99,7 +100,9 @@ char *glint_job_write(const struct glint_job *job)
     write_dials(&t, "accuracy", none, job);
     write_dials(&t, "mattes", glint_matte_fields, job);
     write_group(&t, "filter", glint_filter_fields, job);
-    write_stop(&t, &job->stop);
+    if (job->sample_range[1])
+        write_uints(&t, "sample_range", job->sample_range, 2);
+    write_stop(&t, job);
     glint_text_add(&t, "}");
     return glint_text_take(&t, NULL);
 }

@@ -17,6 +17,21 @@ libglint_a_SOURCES = \
 	protocol/exr_zip.h \
 	protocol/fields.c \
 	protocol/fields.h \
+	protocol/film.c \
+	protocol/film.h \
+	protocol/film_file.h \
+	protocol/film_frame.c \
+	protocol/film_header.c \
+	protocol/film_header.h \
+	protocol/film_matte.c \
+	protocol/film_pack.c \
+	protocol/film_pack.h \
+	protocol/film_parts.h \
+	protocol/film_rank.c \
+	protocol/film_read.c \
+	protocol/film_same.c \
+	protocol/film_words.h \
+	protocol/film_write.c \
 	protocol/frame.c \
 	protocol/frame.h \
 	protocol/half.h \

@@ -1,32 +1,11 @@
-#include "render/film.h"
+#include "render/film_parts.h"
 
 #include "kernels/gk_film.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define BUFFER_BYTES ((size_t)1 << 30)
-
-struct tile {
-    uint32_t samples, epoch;
-    uint16_t readers;
-    bool held;
-    uint64_t version;
-};
-
-struct glint_film {
-    uint32_t columns, rows;
-    uint32_t tile_words; // of planes
-    uint32_t tile_slots; // of tables, 0 without coverage
-    uint32_t tiles_per_buffer, buffers;
-    glint_buffer **planes, **tables; // [buffers]
-    pthread_mutex_t mutex; // guards `tile`, `epoch` and `sequence`; no call is made under it
-    pthread_cond_t released;
-    struct tile *tile;
-    uint64_t sequence;
-    uint32_t epoch;
-};
 
 static uint32_t smaller(uint32_t a, uint32_t b)
 {
@@ -97,7 +76,8 @@ glint_status glint_film_create(glint_film **out, glint_devices *devices,
     f->tables = calloc(f->buffers, sizeof *f->tables);
     f->tile = calloc(tiles, sizeof *f->tile);
     pthread_mutex_init(&f->mutex, NULL);
-    pthread_cond_init(&f->released, NULL);
+    pthread_mutex_init(&f->capture, NULL);
+    pthread_cond_init(&f->changed, NULL);
     glint_status st =
         f->planes && f->tables && f->tile
             ? allocate(f, devices, tiles, err)
@@ -127,7 +107,8 @@ void glint_film_destroy(glint_film **film)
     free(f->planes);
     free(f->tables);
     free(f->tile);
-    pthread_cond_destroy(&f->released);
+    pthread_cond_destroy(&f->changed);
+    pthread_mutex_destroy(&f->capture);
     pthread_mutex_destroy(&f->mutex);
     free(f);
 }
@@ -140,6 +121,22 @@ uint32_t glint_film_columns(const glint_film *f)
 uint32_t glint_film_rows(const glint_film *f)
 {
     return f->rows;
+}
+
+size_t glint_film_tile_bytes(const glint_film *f)
+{
+    return (size_t)f->tile_words * 4 + (size_t)f->tile_slots * 8;
+}
+
+void glint_film_copy(const glint_film *f, uint32_t tile, uint32_t *out)
+{
+    struct glint_film_tile at;
+    glint_film_tile(f, tile, &at);
+    memcpy(out, (uint32_t *)glint_buffer_host(at.planes) + at.planes_offset,
+           (size_t)f->tile_words * 4);
+    if (at.tables)
+        memcpy(out + f->tile_words, (uint64_t *)glint_buffer_host(at.tables) + at.tables_offset,
+               (size_t)f->tile_slots * 8);
 }
 
 void glint_film_tile(const glint_film *f, uint32_t tile, struct glint_film_tile *out)
@@ -157,9 +154,9 @@ void glint_film_hold(glint_film *f, uint32_t column, uint32_t row, uint32_t w, u
     pthread_mutex_lock(&f->mutex);
     for (uint32_t y = row; y < bottom; y++)
         for (uint32_t x = column; x < right; x++) {
-            struct tile *t = &f->tile[y * f->columns + x];
+            struct glint_tile *t = &f->tile[y * f->columns + x];
             while (t->readers)
-                pthread_cond_wait(&f->released, &f->mutex);
+                pthread_cond_wait(&f->changed, &f->mutex);
             t->held = true;
         }
     pthread_mutex_unlock(&f->mutex);
@@ -173,14 +170,15 @@ void glint_film_release(glint_film *f, uint32_t column, uint32_t row, uint32_t w
     f->sequence += samples > 0;
     for (uint32_t y = row; y < bottom; y++)
         for (uint32_t x = column; x < right; x++) {
-            struct tile *t = &f->tile[y * f->columns + x];
-            t->held = false;
+            struct glint_tile *t = &f->tile[y * f->columns + x];
+            t->held = t->written = false;
+            glint_film_capture_late(f, t);
             if (samples) {
                 t->samples = samples;
                 t->version = f->sequence;
             }
         }
-    pthread_cond_broadcast(&f->released);
+    pthread_cond_broadcast(&f->changed);
     pthread_mutex_unlock(&f->mutex);
 }
 
@@ -188,7 +186,7 @@ void glint_film_release(glint_film *f, uint32_t column, uint32_t row, uint32_t w
 static bool outdated(glint_film *f, uint32_t tile)
 {
     pthread_mutex_lock(&f->mutex);
-    struct tile *t = &f->tile[tile];
+    struct glint_tile *t = &f->tile[tile];
     const bool old = t->epoch != f->epoch;
     t->samples = old ? 0 : t->samples;
     t->epoch = f->epoch;
@@ -196,13 +194,31 @@ static bool outdated(glint_film *f, uint32_t tile)
     return old;
 }
 
-void glint_film_prepare(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h)
+uint32_t glint_film_prepare(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h)
 {
     const uint32_t right = smaller(column + w, f->columns), bottom = smaller(row + h, f->rows);
+    const uint32_t captures = glint_film_capture_before_write(f, column, row, right, bottom);
     for (uint32_t y = row; y < bottom; y++)
         for (uint32_t x = column; x < right; x++)
             if (outdated(f, y * f->columns + x))
                 clear(f, y * f->columns + x);
+    return captures;
+}
+
+void glint_film_put(glint_film *f, uint32_t tile, const uint32_t *memory, uint32_t samples)
+{
+    struct glint_film_tile at;
+    glint_film_tile(f, tile, &at);
+    memcpy((uint32_t *)glint_buffer_host(at.planes) + at.planes_offset, memory,
+           (size_t)f->tile_words * 4);
+    if (at.tables)
+        memcpy((uint64_t *)glint_buffer_host(at.tables) + at.tables_offset, memory + f->tile_words,
+               (size_t)f->tile_slots * 8);
+    pthread_mutex_lock(&f->mutex);
+    f->tile[tile].samples = samples;
+    f->tile[tile].epoch = f->epoch;
+    f->tile[tile].version = ++f->sequence;
+    pthread_mutex_unlock(&f->mutex);
 }
 
 uint32_t glint_film_restart(glint_film *f)
@@ -217,9 +233,9 @@ uint32_t glint_film_read_begin(glint_film *f, uint32_t tile, uint32_t epoch)
 {
     pthread_mutex_lock(&f->mutex);
     while (f->tile[tile].held)
-        pthread_cond_wait(&f->released, &f->mutex);
+        pthread_cond_wait(&f->changed, &f->mutex);
     f->tile[tile].readers++;
-    const uint32_t samples = f->tile[tile].epoch == epoch ? f->tile[tile].samples : 0;
+    const uint32_t samples = glint_tile_samples(&f->tile[tile], epoch);
     pthread_mutex_unlock(&f->mutex);
     return samples;
 }
@@ -228,14 +244,14 @@ void glint_film_read_end(glint_film *f, uint32_t tile)
 {
     pthread_mutex_lock(&f->mutex);
     f->tile[tile].readers--;
-    pthread_cond_broadcast(&f->released);
+    pthread_cond_broadcast(&f->changed);
     pthread_mutex_unlock(&f->mutex);
 }
 
 uint32_t glint_film_samples(glint_film *f, uint32_t tile)
 {
     pthread_mutex_lock(&f->mutex);
-    const uint32_t samples = f->tile[tile].epoch == f->epoch ? f->tile[tile].samples : 0;
+    const uint32_t samples = glint_tile_samples(&f->tile[tile], f->epoch);
     pthread_mutex_unlock(&f->mutex);
     return samples;
 }
@@ -247,7 +263,7 @@ uint64_t glint_film_version(glint_film *f, uint32_t column, uint32_t row, uint32
     pthread_mutex_lock(&f->mutex);
     for (uint32_t y = row; y < bottom; y++)
         for (uint32_t x = column; x < right; x++) {
-            const struct tile *t = &f->tile[y * f->columns + x];
+            const struct glint_tile *t = &f->tile[y * f->columns + x];
             if (t->epoch == f->epoch && t->samples && t->version > newest)
                 newest = t->version;
         }

@@ -6,8 +6,13 @@
 // A film that starts again is in a new epoch: what its tiles hold of older ones is not seen any
 // more, and is cleared by the worker that first renders into them.
 //
+// A capture is the film at one moment: workers copy a tile before they write to it for the first
+// time since, and the reader copies the others. What a worker was writing at that moment is in it as
+// it is when the tile is given back: the moment might as well have been that one. The copies take at
+// most as much memory as the film.
+//
 // Threads: hold/release/restart by whoever hands out slices; prepare by the worker that holds the
-// tiles; read by any thread.
+// tiles; read and capture by any thread.
 #ifndef GLINT_RENDER_FILM_H
 #define GLINT_RENDER_FILM_H
 
@@ -42,8 +47,11 @@ void glint_film_hold(glint_film *film, uint32_t column, uint32_t row, uint32_t w
 void glint_film_release(glint_film *film, uint32_t column, uint32_t row, uint32_t w, uint32_t h,
                         uint32_t samples);
 
-// Empties those of the held tiles that are of an older epoch.
-void glint_film_prepare(glint_film *film, uint32_t column, uint32_t row, uint32_t w, uint32_t h);
+// Before the first write to the held tiles: copies those that a capture wants as they are, and
+// empties those that are of an older epoch. Returns the number of captures begun so far: one that
+// begins later has what is written now.
+uint32_t glint_film_prepare(glint_film *film, uint32_t column, uint32_t row, uint32_t w,
+                            uint32_t h);
 
 // Begins a new epoch and returns it; the first is 0. No tile may be held.
 uint32_t glint_film_restart(glint_film *film);
@@ -52,6 +60,21 @@ uint32_t glint_film_restart(glint_film *film);
 // are of another epoch.
 uint32_t glint_film_read_begin(glint_film *film, uint32_t tile, uint32_t epoch);
 void glint_film_read_end(glint_film *film, uint32_t tile);
+
+// One capture at a time. begin waits for the one before and keeps others waiting until end, by the
+// same thread. mark is the moment, whose epoch is the film's; settle waits for the slices out, no
+// longer than one takes; then take copies each tile once, planes and then tables, into `memory`
+// (glint_film_tile_bytes()) and returns its samples: 0, and no copy, where it has none.
+void glint_film_capture_begin(glint_film *film);
+uint32_t glint_film_capture_mark(glint_film *film); // captures begun so far, this one too
+void glint_film_capture_settle(glint_film *film);
+uint32_t glint_film_capture_take(glint_film *film, uint32_t tile, uint32_t *memory);
+void glint_film_capture_end(glint_film *film);
+
+size_t glint_film_tile_bytes(const glint_film *film);
+
+// Puts a tile that was read from a file into the film. No tile may be held, none captured.
+void glint_film_put(glint_film *film, uint32_t tile, const uint32_t *memory, uint32_t samples);
 
 uint32_t glint_film_samples(glint_film *film, uint32_t tile);
 // Of the tiles [column, column + w) x [row, row + h), clipped to the film: grows with every release

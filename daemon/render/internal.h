@@ -3,6 +3,7 @@
 #define GLINT_RENDER_INTERNAL_H
 
 #include "kernels/gk_frame.h"
+#include "protocol/film_header.h"
 #include "render/estimate.h"
 #include "render/film.h"
 #include "render/render.h"
@@ -10,8 +11,6 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
-
-#define GLINT_CURVE_POINTS 25 // powers of two up to GLINT_MAX_SAMPLES
 
 // The samples being given out: [sample, sample + samples) of every pixel, in blocks of
 // 2^tiles_log2 film tiles a side.
@@ -31,9 +30,10 @@ struct glint_view {
     glint_render *render;          // outlives it
     glint_resident *scene;         // retained
     const struct glint_pose *pose; // lives as long as `scene`; NULL: everything as the scene has it
-    struct glint_job job;          // a copy that borrows the strings
+    struct glint_job job;          // a copy
     struct glint_camera camera;
-    uint32_t camera_index; // in the scene, GLINT_NONE: the job's own
+    uint32_t camera_index;       // in the scene, GLINT_NONE: the job's own
+    struct glint_film_info info; // borrows from the members above
     struct glint_plan plan;
     glint_program *program;
     glint_buffer *frame;
@@ -46,6 +46,7 @@ struct glint_render {
     struct glint_devices *devices;
     struct glint_job job; // a copy; strings other than the name are not used again
     char *name;
+    struct glint_archive *archive; // where its pixels are, if not in a film; there is no view then
     glint_film *film;
     glint_wave **wave;           // [workers], each made and used by its worker alone
     _Atomic(double) *tile_error; // [film tiles], sums over the pixels of v/(m^2+0.01)
@@ -56,12 +57,14 @@ struct glint_render {
 
     pthread_mutex_t mutex; // guards what follows
     struct glint_pass_state pass;
-    uint32_t target;               // samples
+    uint32_t target;               // sample index
     bool stopped;                  // by error
     struct glint_wave_stats stats; // of all workers, added as slices come back
     double worker_seconds;
     struct glint_convergence_point curve[GLINT_CURVE_POINTS];
     uint32_t points;
+    struct glint_capture *late; // that waits for slices out: it takes their work too
+    uint32_t captures;          // begun so far
 };
 
 // Plan, program and constants for the job in `scene`; the film is added by the render. Compiles
@@ -93,9 +96,32 @@ void glint_render_constants(const struct glint_view *r, struct gk_frame *out);
 void glint_render_matrices(const struct glint_view *r, float world_to_camera[16],
                            float world_to_ndc[16]);
 
-// Adds the attributes that every frame has, CONVENTIONS b; `samples`: the fewest of its pixels.
-// GLINT_E_NOMEM: some are missing.
-glint_status glint_render_attributes(const struct glint_view *r, struct glint_frame *f,
-                                     uint32_t samples);
+// Index of the first sample that the job takes.
+uint32_t glint_render_first(const glint_render *r);
+
+uint64_t glint_render_pixels(const glint_render *r);
+
+// The passes, under the mutex. begin: with the samples from `sample` on; end: all blocks are back.
+void glint_pass_begin(glint_render *r, uint32_t sample);
+void glint_pass_end(glint_render *r);
+// Takes the decision of a job that stops by error, with the samples up to `end`: whether it does.
+bool glint_pass_stops(glint_render *r, uint32_t end);
+// The part of [start, start + size) that lies before `end`.
+uint32_t glint_pass_clip(uint32_t start, uint32_t size, uint32_t end);
+// Lays out the blocks of a pass that was under way when tiles had these samples. False where those
+// of a block differ.
+bool glint_pass_resume(glint_render *r, const struct glint_film_moment *was,
+                       const uint32_t *tile_samples);
+
+// Empties the film and all that was measured, under the mutex; no slice may be out.
+void glint_render_forget(glint_render *r);
+
+// The job's own estimate of its error, from those of its tiles.
+double glint_render_error(const glint_render *r);
+// Estimates that of a tile which has so many samples, 2 or more. By whoever holds the tile.
+void glint_render_measure(glint_render *r, uint32_t tile, uint32_t samples);
+
+// Under the mutex: how far it is.
+void glint_render_moment(const glint_render *r, struct glint_film_moment *out);
 
 #endif

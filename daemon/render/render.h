@@ -13,6 +13,7 @@
 #define GLINT_RENDER_RENDER_H
 
 #include "device/device.h"
+#include "protocol/film_header.h"
 #include "protocol/frame.h"
 #include "protocol/job.h"
 #include "scene/resident.h"
@@ -90,12 +91,7 @@ struct glint_render_state {
 };
 void glint_render_state(const glint_render *render, struct glint_render_state *out);
 
-// One point of the recorded curve at each power of two (samples) since the start.
-struct glint_convergence_point {
-    uint32_t samples;
-    double seconds, error;
-    uint64_t rays;
-};
+// The recorded curve so far; returns the number of its points.
 size_t glint_render_convergence(const glint_render *render, struct glint_convergence_point *out,
                                 size_t capacity);
 
@@ -115,18 +111,6 @@ glint_status glint_render_tile(glint_render *render, uint32_t tile, struct glint
                                uint32_t *samples, uint64_t *version, char revision[65],
                                struct glint_error *err);
 
-// Matte layers: 0 object, 1 material, 2 asset.
-enum glint_matte_layer {
-    GLINT_MATTE_OBJECT,
-    GLINT_MATTE_MATERIAL,
-    GLINT_MATTE_ASSET,
-    GLINT_MATTE_LAYERS
-};
-struct glint_matte_total {
-    const char *name;
-    uint32_t id;
-    double coverage;
-}; // pixels covered
 // Every name of the scene with its coverage over the frame; *out malloc'd, the names in the same
 // block. *lost: pixels of coverage that found no slot.
 glint_status glint_render_mattes(glint_render *render, enum glint_matte_layer layer,

@@ -37,6 +37,19 @@ static void fill_wave_job(struct glint_view *v)
         v->job.dial[GLINT_DIAL_EVICTION] == 0 ? GK_MATTE_DROP : GK_MATTE_DIRECT_FIRST;
 }
 
+static void fill_info(struct glint_view *v)
+{
+    struct glint_film_info *info = &v->info;
+    info->job = &v->job;
+    info->aovs = glint_plan_has(&v->plan, GLINT_PASS_AOVS);
+    info->flow = v->plan.on & glint_effect_bit("motion vectors");
+    info->coverage = glint_plan_has(&v->plan, GLINT_PASS_COVERAGE);
+    info->software = "glint " PACKAGE_VERSION;
+    info->revision = glint_resident_revision(v->scene);
+    info->mattes = glint_resident_mattes(v->scene, &info->matte);
+    glint_render_matrices(v, info->to_camera, info->to_ndc);
+}
+
 static glint_status prepare(struct glint_view *v, const struct glint_view *like, uint64_t force,
                             struct glint_error *err)
 {
@@ -46,6 +59,7 @@ static glint_status prepare(struct glint_view *v, const struct glint_view *like,
     const bool robust = v->job.dial[GLINT_DIAL_TRAVERSAL] == 0;
     const enum glint_geometry_kind kind = v->job.live ? GLINT_GEOMETRY_PLACED : GLINT_GEOMETRY_FLAT;
     glint_plan_make(&v->plan, &in, force);
+    fill_info(v);
     glint_status st = glint_program_get(&v->program, devices, v->plan.options, err);
     if (!st)
         st = glint_resident_geometry(v->scene, kind, robust, &v->wave_job.geometry, err);
@@ -76,8 +90,9 @@ glint_status glint_view_create(struct glint_view **out, glint_render *render, gl
     v->render = render;
     v->scene = glint_resident_retain(scene);
     v->pose = pose;
-    v->job = *job;
-    glint_status st = choose_camera(v, err);
+    glint_status st = glint_job_copy(&v->job, job, err);
+    if (!st)
+        st = choose_camera(v, err);
     if (!st)
         st = prepare(v, like, force, err);
     if (st)
@@ -106,5 +121,6 @@ void glint_view_release(struct glint_view **view)
     glint_buffer_destroy(&v->frame);
     glint_program_release(&v->program);
     glint_resident_release(&v->scene);
+    glint_arena_finish(&v->job.arena);
     free(v);
 }

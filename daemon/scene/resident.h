@@ -6,6 +6,7 @@
 #define GLINT_SCENE_RESIDENT_H
 
 #include "device/device.h"
+#include "protocol/film.h"
 #include "protocol/scene.h"
 #include "scene/facts.h"
 #include "scene/pose.h"
@@ -143,10 +144,6 @@ glint_status glint_resident_geometry(glint_resident *resident, enum glint_geomet
 // Matte keys of the slot tables: 1 is the background, 2.. are the scene's (object, material, asset)
 // triples, hidden ones too; then the names that no instance uses, in keys that nothing has. Returns
 // the number of keys, the two first included.
-struct glint_matte_key {
-    const char *name[3]; // object, material, asset ("" or NULL for none)
-    uint32_t id[3];      // Cryptomatte IDs; 0 for no name
-};
 uint32_t glint_resident_mattes(const glint_resident *resident, const struct glint_matte_key **keys);
 
 #endif

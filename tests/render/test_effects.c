@@ -235,16 +235,16 @@ static const struct smallest {
     uint32_t passes;
     size_t film_bytes;
 } smallest[] = {
-    {&sky, &beauty, "-DGK_ENVIRONMENT_CONSTANT", BASE_PASSES, 56},
-    {&lamp, &beauty, "-DGK_EMISSION " LIGHTS, BASE_PASSES | LIGHT_PASSES, 56},
-    {&textured, &beauty, "-DGK_TEXTURES -DGK_ENVIRONMENT_CONSTANT", BASE_PASSES, 56},
-    {&image_sky, &beauty, "-DGK_LIGHTS -DGK_ENVIRONMENT_IMAGE", BASE_PASSES | LIGHT_PASSES, 56},
+    {&sky, &beauty, "-DGK_ENVIRONMENT_CONSTANT", BASE_PASSES, 80},
+    {&lamp, &beauty, "-DGK_EMISSION " LIGHTS, BASE_PASSES | LIGHT_PASSES, 80},
+    {&textured, &beauty, "-DGK_TEXTURES -DGK_ENVIRONMENT_CONSTANT", BASE_PASSES, 80},
+    {&image_sky, &beauty, "-DGK_LIGHTS -DGK_ENVIRONMENT_IMAGE", BASE_PASSES | LIGHT_PASSES, 80},
     {&glass, &beauty, "-DGK_MICROFACET -DGK_TRANSMISSION -DGK_ENVIRONMENT_CONSTANT", BASE_PASSES,
-     56},
+     80},
     {&sky, &with_aovs, "-DGK_ENVIRONMENT_CONSTANT -DGK_AOVS", BASE_PASSES | 1u << GLINT_PASS_AOVS,
-     56 + 13 * 4},
+     80 + 13 * 4},
     {&sky, &with_mattes, "-DGK_ENVIRONMENT_CONSTANT", BASE_PASSES | 1u << GLINT_PASS_COVERAGE,
-     56 + 15 * 8},
+     80 + 15 * 8},
 };
 
 static void automatic_plan_is_the_smallest(void **state)

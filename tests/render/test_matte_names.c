@@ -21,7 +21,7 @@ static void assert_matte(const struct shot *s, enum glint_matte_layer layer,
     for (size_t i = 0; i < pixels(s->frame); i++) {
         double sum = 0.0;
         for (size_t n = 0; n < count; n++)
-            sum += coverage_of(s->frame, glint_render_matte_type(layer), names[n], i);
+            sum += coverage_of(s->frame, glint_film_matte_type[layer], names[n], i);
         assert_float_equal(plane[i], sum, 1e-6);
     }
     glint_frame_destroy(&matte);
@@ -75,7 +75,7 @@ static void totals_are_sums_over_the_frame(void **state)
         for (size_t n = 0; n < count; n++) {
             double sum = 0.0;
             for (size_t i = 0; i < pixels(s.frame); i++)
-                sum += coverage_of(s.frame, glint_render_matte_type(layer), total[n].name, i);
+                sum += coverage_of(s.frame, glint_film_matte_type[layer], total[n].name, i);
             assert_float_equal(total[n].coverage, sum, 1e-4);
             assert_int_equal(total[n].id, glint_cryptomatte_id(total[n].name));
         }

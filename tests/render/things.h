@@ -5,7 +5,7 @@
 #ifndef GLINT_TESTS_THINGS_H
 #define GLINT_TESTS_THINGS_H
 
-#include "render/ranking.h"
+#include "protocol/film_parts.h"
 #include "tests/render/offline.h"
 
 #define WIDTH 24

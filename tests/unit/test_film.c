@@ -1,5 +1,6 @@
 // The film: tiles held by one, read by many, and numbers that come out as they went in.
 #include "kernels/gk_film.h"
+#include "protocol/film.h"
 #include "render/estimate.h"
 #include "tests/render/offline.h"
 
@@ -140,13 +141,18 @@ static void readers_never_see_a_tile_half_written(void **state)
     glint_film_destroy(&race.film);
 }
 
+// Samples with even indices are of half 0, wherever a range begins.
 static void halves_share_samples_evenly(void **state)
 {
     (void)state;
-    for (uint32_t n = 0; n < 9; n++) {
-        assert_int_equal(glint_half_samples(n, 0) + glint_half_samples(n, 1), n);
-        assert_int_equal(glint_half_samples(n, 0) - glint_half_samples(n, 1), n % 2);
-    }
+    for (uint32_t first = 0; first < 5; first++)
+        for (uint32_t n = 0; n < 9; n++) {
+            uint32_t half[2] = {0, 0};
+            for (uint32_t i = first; i < first + n; i++)
+                half[i % 2]++;
+            assert_int_equal(glint_film_half(first, n, 0), half[0]);
+            assert_int_equal(glint_film_half(first, n, 1), half[1]);
+        }
 }
 
 // A = 1 + d, B = 1 - d everywhere: v = d^2, m = 1, so each channel gives d^2 / 1.01.
@@ -157,12 +163,13 @@ static void estimate_is_the_square_of_half_the_difference(void **state)
     struct glint_film_tile at;
     glint_film_tile(film, 0, &at);
     float *planes = (float *)glint_buffer_host(at.planes) + at.planes_offset;
-    const uint32_t samples = 8;
+    const uint32_t half[2] = {4, 4};
     for (uint32_t h = 0; h < 2; h++)
         for (uint32_t c = 0; c < 3; c++)
             for (uint32_t i = 0; i < GK_TILE_PIXELS; i++)
-                planes[(h * 6 + c * 2) * GK_TILE_PIXELS + i] = 4.0f * (h ? 0.75f : 1.25f);
-    const double sum = glint_estimate_tile(&at, false, samples, 10, 7);
+                planes[(h * 3 + c) * GK_SUM_PLANES * GK_TILE_PIXELS + i] =
+                    4.0f * (h ? 0.75f : 1.25f);
+    const double sum = glint_estimate_tile(planes, false, half, 10, 7);
     assert_float_equal(sum, 10 * 7 * 3 * 0.0625 / 1.01, 1e-5);
     glint_film_destroy(&film);
 }

@@ -1,0 +1,216 @@
+// pass.c - the samples of a render, given out block by block and pass by pass.
+#include "kernels/gk_film.h"
+#include "render/archive.h"
+#include "render/internal.h"
+
+#include <math.h>
+
+uint32_t glint_render_first(const glint_render *r)
+{
+    return r->job.sample_range[0];
+}
+
+// A wave holds 64x64 pixels once, 32x32 four times, 16x16 sixteen times. A live job's first sample
+// comes in quarters of that, so that several workers make the first tile that is seen.
+static uint32_t block_size(const struct glint_render *r, uint32_t samples)
+{
+    if (samples == 1)
+        return r->job.live ? 1 : 2;
+    return samples <= 4 ? 1 : 0;
+}
+
+static void lay_blocks(struct glint_render *r)
+{
+    struct glint_pass_state *p = &r->pass;
+    const uint32_t side = GK_TILE_SIDE << p->tiles_log2;
+    p->blocks_wide = (r->job.region[2] + side - 1) / side;
+    p->blocks_high = (r->job.region[3] + side - 1) / side;
+    p->blocks = p->blocks_wide * p->blocks_high;
+    p->next = p->done = p->redos = 0;
+}
+
+void glint_pass_begin(struct glint_render *r, uint32_t sample)
+{
+    struct glint_pass_state *p = &r->pass;
+    const uint32_t wanted = sample == 0 ? 1 : sample < 4 ? 4 - sample : 16 - sample % 16;
+    p->sample = sample;
+    p->samples = sample + wanted > r->target ? r->target - sample : wanted;
+    p->tiles_log2 = block_size(r, p->samples);
+    lay_blocks(r);
+}
+
+// Blocks go two by two: down, then to the right.
+static void block_place(const struct glint_render *r, uint32_t block, uint32_t *column,
+                        uint32_t *row)
+{
+    const struct glint_pass_state *p = &r->pass;
+    const uint32_t first = block / (2 * p->blocks_wide) * 2; // of a pair of rows
+    const uint32_t high = first + 1 < p->blocks_high ? 2 : 1, i = block - first * p->blocks_wide;
+    *column = i / high << p->tiles_log2;
+    *row = (first + i % high) << p->tiles_log2;
+}
+
+uint32_t glint_pass_clip(uint32_t start, uint32_t size, uint32_t end)
+{
+    return start + size > end ? end - start : size;
+}
+
+static void slice_fill(const struct glint_render *r, uint32_t block, struct glint_slice *out)
+{
+    const uint32_t *region = r->job.region, side = GK_TILE_SIDE << r->pass.tiles_log2;
+    uint32_t column, row;
+    block_place(r, block, &column, &row);
+    out->block = block;
+    out->x = region[0] + column * GK_TILE_SIDE;
+    out->y = region[1] + row * GK_TILE_SIDE;
+    out->w = glint_pass_clip(out->x, side, region[0] + region[2]);
+    out->h = glint_pass_clip(out->y, side, region[1] + region[3]);
+    out->sample = r->pass.sample;
+    out->samples = r->pass.samples;
+    out->tiles_log2 = r->pass.tiles_log2;
+}
+
+bool glint_render_take(glint_render *r, struct glint_slice *out)
+{
+    pthread_mutex_lock(&r->mutex);
+    struct glint_pass_state *p = &r->pass;
+    const bool any = p->samples > 0 && (p->redos > 0 || p->next < p->blocks);
+    if (any) {
+        slice_fill(r, p->redos > 0 ? p->redo[--p->redos] : p->next++, out);
+        uint32_t column, row;
+        block_place(r, out->block, &column, &row);
+        glint_film_hold(r->film, column, row, 1u << p->tiles_log2, 1u << p->tiles_log2);
+    }
+    pthread_mutex_unlock(&r->mutex);
+    return any;
+}
+
+// The samples of a block of the film that was; GLINT_NONE: its tiles differ.
+static uint32_t block_samples(const glint_render *r, uint32_t block, const uint32_t *tile_samples)
+{
+    const uint32_t columns = (r->job.region[2] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
+    const uint32_t rows = (r->job.region[3] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
+    const uint32_t side = 1u << r->pass.tiles_log2;
+    uint32_t column, row;
+    block_place(r, block, &column, &row);
+    const uint32_t samples = tile_samples[row * columns + column];
+    for (uint32_t y = row; y < row + side && y < rows; y++)
+        for (uint32_t x = column; x < column + side && x < columns; x++)
+            if (tile_samples[y * columns + x] != samples)
+                return GLINT_NONE;
+    return samples;
+}
+
+bool glint_pass_resume(glint_render *r, const struct glint_film_moment *was,
+                       const uint32_t *tile_samples)
+{
+    struct glint_pass_state *p = &r->pass;
+    const uint32_t done = was->sample + was->samples - glint_render_first(r);
+    p->sample = was->sample;
+    p->samples = was->samples;
+    p->tiles_log2 = was->tiles_log2;
+    lay_blocks(r);
+    for (uint32_t b = p->blocks; b-- > 0;) { // the last to be redone comes first
+        const uint32_t samples = block_samples(r, b, tile_samples);
+        if (samples == GLINT_NONE)
+            return false;
+        if (samples != done && p->redo)
+            p->redo[p->redos++] = b;
+        p->done += samples == done;
+    }
+    p->next = p->blocks;
+    return true;
+}
+
+uint64_t glint_render_pixels(const struct glint_render *r)
+{
+    return (uint64_t)r->job.region[2] * r->job.region[3];
+}
+
+// In the order of the tiles, so that a decision does not depend on who rendered them.
+double glint_render_error(const struct glint_render *r)
+{
+    if (r->archive)
+        return glint_film_file_header(glint_archive_file(r->archive))->moment.error;
+    const size_t tiles = (size_t)glint_film_columns(r->film) * glint_film_rows(r->film);
+    double sum = 0.0;
+    for (size_t t = 0; t < tiles; t++)
+        sum += atomic_load_explicit(&r->tile_error[t], memory_order_relaxed);
+    return sqrt(sum / (3.0 * (double)glint_render_pixels(r)));
+}
+
+static uint64_t rays_of(const struct glint_render *r)
+{
+    return r->stats.camera_rays + r->stats.bounce_rays + r->stats.shadow_rays;
+}
+
+static void record_point(struct glint_render *r, uint32_t samples)
+{
+    if (samples < 2 || samples & (samples - 1) || r->points == GLINT_CURVE_POINTS)
+        return;
+    r->curve[r->points++] = (struct glint_convergence_point){samples, r->worker_seconds,
+                                                             glint_render_error(r), rays_of(r)};
+}
+
+bool glint_pass_stops(struct glint_render *r, uint32_t end)
+{
+    const double wanted = r->job.stop.error;
+    if (wanted > 0.0 && glint_estimate_checkpoint(end - glint_render_first(r)) &&
+        glint_estimate_upper(glint_render_error(r), glint_render_pixels(r)) <= wanted) {
+        r->target = end;
+        r->stopped = true;
+    }
+    return r->stopped;
+}
+
+void glint_pass_end(struct glint_render *r)
+{
+    const uint32_t end = r->pass.sample + r->pass.samples;
+    record_point(r, end - glint_render_first(r));
+    glint_pass_stops(r, end);
+    glint_pass_begin(r, end);
+}
+
+void glint_render_give_back(glint_render *r, const struct glint_slice *s, bool done)
+{
+    pthread_mutex_lock(&r->mutex);
+    uint32_t column, row;
+    block_place(r, s->block, &column, &row);
+    const uint32_t side = 1u << r->pass.tiles_log2;
+    glint_film_release(r->film, column, row, side, side,
+                       done ? s->sample + s->samples - glint_render_first(r) : 0);
+    if (done)
+        r->pass.done++;
+    else
+        r->pass.redo[r->pass.redos++] = s->block;
+    if (r->pass.done == r->pass.blocks)
+        glint_pass_end(r);
+    pthread_mutex_unlock(&r->mutex);
+}
+
+bool glint_render_complete(const glint_render *render)
+{
+    struct glint_render *r = (struct glint_render *)render;
+    pthread_mutex_lock(&r->mutex);
+    const bool complete = r->pass.samples == 0;
+    pthread_mutex_unlock(&r->mutex);
+    return complete;
+}
+
+// A decision to stop is taken again where the wanted error is another.
+bool glint_render_extend(glint_render *r, uint32_t samples, double error)
+{
+    pthread_mutex_lock(&r->mutex);
+    struct glint_pass_state *p = &r->pass;
+    const bool fits = !r->archive && !r->job.sample_range[1] && p->sample + p->samples <= samples;
+    if (fits) {
+        r->job.stop.samples = samples;
+        r->job.stop.error = error;
+        r->target = samples;
+        r->stopped = false;
+        if (p->samples == 0 && !glint_pass_stops(r, p->sample))
+            glint_pass_begin(r, p->sample);
+    }
+    pthread_mutex_unlock(&r->mutex);
+    return fits;
+}

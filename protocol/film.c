@@ -1,0 +1,47 @@
+// film.c - how large tiles are, and what their sums mean.
+#include "protocol/film.h"
+
+#include "kernels/gk_film.h"
+
+uint32_t glint_film_info_columns(const struct glint_film_info *info)
+{
+    return (info->job->region[2] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
+}
+
+uint32_t glint_film_info_rows(const struct glint_film_info *info)
+{
+    return (info->job->region[3] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
+}
+
+size_t glint_film_info_plane_bytes(const struct glint_film_info *info)
+{
+    const size_t planes =
+        GK_PLANES_BASE + (info->aovs ? GK_PLANES_AOV : 0) + (info->flow ? GK_PLANES_FLOW : 0);
+    return planes * GK_TILE_PIXELS * 4;
+}
+
+size_t glint_film_info_table_bytes(const struct glint_film_info *info)
+{
+    return info->coverage ? ((size_t)info->job->matte_slots + 1) * GK_TILE_PIXELS * 8 : 0;
+}
+
+bool glint_film_info_wide(const struct glint_film_info *info)
+{
+    return info->job->dial[GLINT_DIAL_PRECISION] == 0;
+}
+
+uint32_t glint_film_half(uint32_t first, uint32_t samples, uint32_t half)
+{
+    return (first + samples + 1 - half) / 2 - (first + 1 - half) / 2;
+}
+
+float glint_film_mean(const float *planes, bool wide, uint32_t half, uint32_t channel, uint32_t i,
+                      uint32_t n)
+{
+    const float *sum =
+        planes + (GK_PLANE_COLOUR + (half * 3 + channel) * GK_SUM_PLANES) * GK_TILE_PIXELS;
+    const double total =
+        wide ? ((const double *)(const void *)sum)[i]
+             : (double)sum[i] + ((double)sum[i + GK_TILE_PIXELS] + sum[i + 2 * GK_TILE_PIXELS]);
+    return n ? (float)(total / n) : 0.0f;
+}

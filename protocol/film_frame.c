@@ -1,0 +1,278 @@
+// film_frame.c - film tiles become frames: normalised planes with the channels and attributes of
+// CONVENTIONS b.
+#include "protocol/film_parts.h"
+
+#include "kernels/gk_film.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_LAYERS 10 // levels / 2
+
+// Planes of the frame being made; NULL where an output is not asked for.
+struct planes {
+    float *rgba[4], *depth, *normal[3], *albedo[3], *samples, *variance[3], *flow[4];
+    float *rank[GLINT_MATTE_LAYERS][MAX_LAYERS][4];
+};
+
+static bool add_planes(struct glint_frame *f, float **out, const char *const *name, int n,
+                       enum glint_pixel_type type)
+{
+    bool ok = true;
+    for (int i = 0; i < n; i++)
+        ok &= (out[i] = glint_frame_channel(f, name[i], type)) != NULL;
+    return ok;
+}
+
+static bool add_ranks(struct glint_frame *f, struct planes *p, uint32_t levels,
+                      enum glint_matte_layer layer)
+{
+    static const char letter[4] = {'R', 'G', 'B', 'A'};
+    bool ok = true;
+    for (uint32_t l = 0; l < (levels + 1) / 2; l++)
+        for (int k = 0; k < 4; k++) {
+            char name[32];
+            snprintf(name, sizeof name, "%s%02u.%c", glint_film_matte_type[layer], l, letter[k]);
+            ok &= (p->rank[layer][l][k] = glint_frame_channel(f, name, GLINT_PIXEL_FLOAT)) != NULL;
+        }
+    return ok;
+}
+
+static glint_status make_planes(struct glint_frame *f, uint32_t outputs, uint32_t levels,
+                                struct planes *p, struct glint_error *err)
+{
+    static const char *const rgba[] = {"R", "G", "B", "A"}, *const z[] = {"Z"},
+                             *const samples[] = {"samples.Y"};
+    static const char *const normal[] = {"N.X", "N.Y", "N.Z"};
+    static const char *const albedo[] = {"albedo.R", "albedo.G", "albedo.B"};
+    static const char *const variance[] = {"variance.R", "variance.G", "variance.B"};
+    static const char *const flow[] = {"forward.u", "forward.v", "backward.u", "backward.v"};
+    memset(p, 0, sizeof *p);
+    bool ok = !(outputs & GLINT_OUT_BEAUTY) || add_planes(f, p->rgba, rgba, 4, GLINT_PIXEL_HALF);
+    ok &= !(outputs & GLINT_OUT_DEPTH) || add_planes(f, &p->depth, z, 1, GLINT_PIXEL_FLOAT);
+    ok &= !(outputs & GLINT_OUT_NORMAL) || add_planes(f, p->normal, normal, 3, GLINT_PIXEL_FLOAT);
+    ok &= !(outputs & GLINT_OUT_ALBEDO) || add_planes(f, p->albedo, albedo, 3, GLINT_PIXEL_HALF);
+    ok &=
+        !(outputs & GLINT_OUT_SAMPLES) || add_planes(f, &p->samples, samples, 1, GLINT_PIXEL_FLOAT);
+    ok &= !(outputs & GLINT_OUT_VARIANCE) ||
+          add_planes(f, p->variance, variance, 3, GLINT_PIXEL_FLOAT);
+    ok &= !(outputs & GLINT_OUT_MOTION) || add_planes(f, p->flow, flow, 4, GLINT_PIXEL_FLOAT);
+    for (int l = 0; l < GLINT_MATTE_LAYERS; l++)
+        ok &= !(outputs & glint_film_matte_output[l]) || add_ranks(f, p, levels, l);
+    return ok ? GLINT_OK
+              : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a frame of %ux%u", f->width,
+                           f->height);
+}
+
+// One pixel of a film tile and where it goes.
+struct at {
+    const struct glint_film_info *info;
+    const float *plane;    // of the tile
+    const uint64_t *table; // of the pixel
+    uint32_t i;            // pixel of the tile
+    uint32_t half[2];      // its samples
+    uint32_t samples;      // both, > 0
+    size_t out;            // pixel of the frame
+};
+
+// The square of a light that single precision holds may lie beyond it.
+static float square(double x)
+{
+    return (float)fmin(x * x, FLT_MAX);
+}
+
+static void resolve_colour(const struct at *a, const struct planes *p)
+{
+    const bool wide = glint_film_info_wide(a->info);
+    const uint32_t *hits = (const uint32_t *)a->plane + GK_PLANE_HITS * GK_TILE_PIXELS;
+    for (uint32_t c = 0; c < 3; c++) {
+        const double ma = glint_film_mean(a->plane, wide, 0, c, a->i, a->half[0]);
+        const double mb = glint_film_mean(a->plane, wide, 1, c, a->i, a->half[1]);
+        if (p->rgba[0])
+            p->rgba[c][a->out] = (float)((ma * a->half[0] + mb * a->half[1]) / a->samples);
+        if (p->variance[0])
+            p->variance[c][a->out] = a->half[0] && a->half[1] ? square(0.5 * (ma - mb)) : 0.0f;
+    }
+    if (p->rgba[0])
+        p->rgba[3][a->out] = (float)((double)hits[a->i] / a->samples);
+}
+
+static float aov_mean(const struct at *a, int plane, int component, int bits)
+{
+    const uint32_t *low = (const uint32_t *)a->plane +
+                          (GK_PLANES_BASE + plane + 2 * component) * GK_TILE_PIXELS + a->i;
+    const int64_t sum = (int64_t)((uint64_t)low[GK_TILE_PIXELS] << 32 | *low);
+    return (float)(ldexp((double)sum, -bits) / a->samples);
+}
+
+static void resolve_aovs(const struct at *a, const struct planes *p)
+{
+    if (p->depth)
+        p->depth[a->out] = a->plane[(GK_PLANES_BASE + GK_AOV_DEPTH) * GK_TILE_PIXELS + a->i];
+    for (int c = 0; c < 3; c++) {
+        if (p->normal[0])
+            p->normal[c][a->out] = aov_mean(a, GK_AOV_NORMAL, c, GK_FIXED_UNIT);
+        if (p->albedo[0])
+            p->albedo[c][a->out] = aov_mean(a, GK_AOV_ALBEDO, c, GK_FIXED_UNIT);
+    }
+    for (int c = 0; c < 4 && p->flow[0]; c++)
+        p->flow[c][a->out] = aov_mean(a, GK_AOV_FLOW, c, GK_FIXED_FLOW);
+    if (p->samples)
+        p->samples[a->out] = (float)a->samples;
+}
+
+static void store_ranks(const struct glint_cryptomatte_rank *rank, uint32_t n, uint32_t levels,
+                        float *const plane[MAX_LAYERS][4], size_t out)
+{
+    for (uint32_t k = 0; k < n && k < levels; k++) {
+        memcpy(&plane[k / 2][2 * (k % 2)][out], &rank[k].id, 4); // bits, never arithmetic
+        plane[k / 2][2 * (k % 2) + 1][out] = rank[k].coverage;
+    }
+}
+
+static void resolve_mattes(const struct at *a, const struct planes *p)
+{
+    struct glint_cryptomatte_rank rank[GLINT_MAX_SLOTS];
+    for (int l = 0; l < GLINT_MATTE_LAYERS; l++) {
+        if (!p->rank[l][0][0])
+            continue;
+        const uint32_t n = glint_film_rank(a->info, a->table, l, a->samples, rank);
+        store_ranks(rank, n, a->info->job->matte_levels, p->rank[l], a->out);
+    }
+}
+
+// What a frame is being made of.
+struct making {
+    const struct glint_film_source *source;
+    const struct glint_frame *frame;
+    struct planes planes;
+    uint32_t fewest; // samples so far
+};
+
+static void resolve_pixel(struct making *m, struct at *a, const struct glint_film_pixels *from)
+{
+    a->half[0] = glint_film_samples_of(from, a->i, 0);
+    a->half[1] = glint_film_samples_of(from, a->i, 1);
+    a->samples = a->half[0] + a->half[1];
+    m->fewest = a->samples < m->fewest ? a->samples : m->fewest;
+    if (!a->samples)
+        return;
+    resolve_colour(a, &m->planes);
+    resolve_aovs(a, &m->planes);
+    if (!from->table)
+        return;
+    a->table = from->table + (size_t)a->i * (a->info->job->matte_slots + 1);
+    resolve_mattes(a, &m->planes);
+}
+
+// The pixels of one film tile that lie in the frame.
+static void resolve_tile(struct making *m, uint32_t tile, const struct glint_film_pixels *from)
+{
+    const struct glint_film_info *info = m->source->info;
+    const uint32_t columns = glint_film_info_columns(info), *region = info->job->region;
+    const int64_t x0 = (int64_t)region[0] + tile % columns * GK_TILE_SIDE - m->frame->x;
+    const int64_t y0 = (int64_t)region[1] + tile / columns * GK_TILE_SIDE - m->frame->y;
+    struct at a = {.info = info, .plane = from->planes};
+    for (a.i = 0; a.i < GK_TILE_PIXELS; a.i++) {
+        const int64_t x = x0 + a.i % GK_TILE_SIDE, y = y0 + a.i / GK_TILE_SIDE;
+        if (x < 0 || y < 0 || x >= m->frame->width || y >= m->frame->height)
+            continue;
+        a.out = (size_t)y * m->frame->width + (size_t)x;
+        resolve_pixel(m, &a, from);
+    }
+}
+
+static void blank_depth(struct making *m)
+{
+    float *depth = m->planes.depth;
+    for (size_t i = 0; depth && i < (size_t)m->frame->width * m->frame->height; i++)
+        depth[i] = 1e30f;
+}
+
+static glint_status resolve_frame(struct making *m, struct glint_error *err)
+{
+    const struct glint_film_source *s = m->source;
+    const struct glint_frame *f = m->frame;
+    const uint32_t *region = s->info->job->region, columns = glint_film_info_columns(s->info);
+    const uint32_t x0 = ((uint32_t)f->x - region[0]) / GK_TILE_SIDE;
+    const uint32_t y0 = ((uint32_t)f->y - region[1]) / GK_TILE_SIDE;
+    const uint32_t x1 = ((uint32_t)f->x + f->width - 1 - region[0]) / GK_TILE_SIDE;
+    const uint32_t y1 = ((uint32_t)f->y + f->height - 1 - region[1]) / GK_TILE_SIDE;
+    glint_status st = GLINT_OK;
+    blank_depth(m);
+    for (uint32_t y = y0; !st && y <= y1; y++)
+        for (uint32_t x = x0; !st && x <= x1; x++) {
+            struct glint_film_pixels pixels = {0};
+            st = s->begin(s->user, y * columns + x, &pixels, err);
+            if (st)
+                break;
+            resolve_tile(m, y * columns + x, &pixels);
+            s->end(s->user, y * columns + x);
+        }
+    return st;
+}
+
+glint_status glint_film_attributes(const struct glint_film_source *s, struct glint_frame *f,
+                                   uint32_t samples)
+{
+    static const float rec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
+    const struct glint_film_info *info = s->info;
+    glint_status st = glint_frame_chromaticities(f, rec709);
+    st = st ? st : glint_frame_matrix(f, "worldToCamera", info->to_camera);
+    st = st ? st : glint_frame_matrix(f, "worldToNDC", info->to_ndc);
+    st = st ? st : glint_frame_string(f, "software", info->software);
+    st = st ? st : glint_frame_int(f, "glint/frame", (int32_t)info->job->frame);
+    st = st ? st : glint_frame_int(f, "glint/samples", (int32_t)samples);
+    st = st ? st : glint_frame_int(f, "glint/seed", (int32_t)info->job->seed);
+    st = st ? st : glint_frame_string(f, "glint/sceneHash", info->revision);
+    return st ? st : glint_frame_int(f, "glint/complete", s->complete);
+}
+
+static glint_status add_manifests(const struct glint_film_info *info, struct glint_frame *f,
+                                  uint32_t outputs)
+{
+    glint_status st = GLINT_OK;
+    for (int l = 0; !st && l < GLINT_MATTE_LAYERS; l++) {
+        if (!(outputs & glint_film_matte_output[l]))
+            continue;
+        char *manifest = glint_film_manifest(info, l);
+        st = manifest ? glint_cryptomatte_header(f, glint_film_matte_type[l], manifest)
+                      : GLINT_E_NOMEM;
+        free(manifest);
+    }
+    return st;
+}
+
+static glint_status fill(struct making *m, struct glint_frame *f, uint32_t outputs,
+                         struct glint_error *err)
+{
+    glint_status st = make_planes(f, outputs, m->source->info->job->matte_levels, &m->planes, err);
+    if (!st)
+        st = resolve_frame(m, err);
+    if (st)
+        return st;
+    st = glint_film_attributes(m->source, f, m->fewest);
+    st = st ? st : add_manifests(m->source->info, f, outputs);
+    return st ? glint_fail(err, st, "", "no memory for the frame's header") : GLINT_OK;
+}
+
+glint_status glint_film_frame(const struct glint_film_source *source, const uint32_t rect[4],
+                              uint32_t outputs, struct glint_frame **out, uint32_t *samples,
+                              struct glint_error *err)
+{
+    const struct glint_job *job = source->info->job;
+    glint_status st = glint_frame_create(out, job->width, job->height, (int32_t)rect[0],
+                                         (int32_t)rect[1], rect[2], rect[3], err);
+    if (st)
+        return st;
+    struct making m = {.source = source, .frame = *out, .fewest = UINT32_MAX};
+    st = fill(&m, *out, outputs, err);
+    if (st)
+        glint_frame_destroy(out);
+    else if (samples)
+        *samples = m.fewest;
+    return st;
+}

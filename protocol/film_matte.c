@@ -1,0 +1,230 @@
+// film_matte.c - totals of every name, and the union matte of some.
+#include "protocol/film_parts.h"
+
+#include "kernels/gk_film.h"
+#include "kernels/gk_matte.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static glint_status no_coverage(struct glint_error *err)
+{
+    return glint_fail(
+        err, GLINT_E_RANGE, "",
+        "the job has none of the outputs crypto_object, crypto_material, crypto_asset");
+}
+
+// One pixel with samples: its table, their number and its place in the region.
+struct covered {
+    const uint64_t *table; // [slots + 1]
+    uint32_t samples;
+    size_t out;
+};
+
+typedef void visit_pixel(const struct glint_film_info *info, const struct covered *at, void *user);
+
+static uint32_t visit_tile(const struct glint_film_info *info, uint32_t tile,
+                           const struct glint_film_pixels *pixels, visit_pixel *visit, void *user)
+{
+    const uint32_t columns = glint_film_info_columns(info), *region = info->job->region;
+    const uint32_t x0 = tile % columns * GK_TILE_SIDE, y0 = tile / columns * GK_TILE_SIDE;
+    uint32_t fewest = UINT32_MAX;
+    for (uint32_t i = 0; i < GK_TILE_PIXELS; i++) {
+        const uint32_t x = x0 + i % GK_TILE_SIDE, y = y0 + i / GK_TILE_SIDE;
+        if (x >= region[2] || y >= region[3])
+            continue;
+        const struct covered at = {pixels->table + (size_t)i * (info->job->matte_slots + 1),
+                                   glint_film_samples_of(pixels, i, 0) +
+                                       glint_film_samples_of(pixels, i, 1),
+                                   (size_t)y * region[2] + x};
+        if (at.samples)
+            visit(info, &at, user);
+        fewest = at.samples < fewest ? at.samples : fewest;
+    }
+    return fewest;
+}
+
+// *fewest: samples of a pixel.
+static glint_status each_pixel(const struct glint_film_source *s, visit_pixel *visit, void *user,
+                               uint32_t *fewest, struct glint_error *err)
+{
+    const uint32_t tiles = glint_film_info_columns(s->info) * glint_film_info_rows(s->info);
+    *fewest = UINT32_MAX;
+    for (uint32_t tile = 0; tile < tiles; tile++) {
+        struct glint_film_pixels pixels = {0};
+        const glint_status st = s->begin(s->user, tile, &pixels, err);
+        if (st)
+            return st;
+        const uint32_t samples = visit_tile(s->info, tile, &pixels, visit, user);
+        s->end(s->user, tile);
+        *fewest = samples < *fewest ? samples : *fewest;
+    }
+    return GLINT_OK;
+}
+
+struct totals {
+    double *key; // [mattes], pixels
+    double lost;
+};
+
+static void add_totals(const struct glint_film_info *info, const struct covered *at, void *user)
+{
+    struct totals *sum = user;
+    const uint32_t slots = info->job->matte_slots;
+    const double unit = 1.0 / ((double)GK_MATTE_ONE * at->samples);
+    for (uint32_t s = 0; s < slots; s++)
+        sum->key[gk_matte_key(at->table[s])] += (double)gk_matte_amount(at->table[s]) * unit;
+    sum->lost += (double)at->table[slots] * unit;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    const struct glint_matte_total *p = a, *q = b;
+    return strcmp(p->name, q->name);
+}
+
+// Names of the layer with the coverage of their keys; equal names become one. Returns their number.
+static size_t collect(const struct glint_film_info *info, enum glint_matte_layer layer,
+                      const double *key, struct glint_matte_total *out)
+{
+    size_t count = 0, kept = 0;
+    for (uint32_t k = 2; k < info->mattes; k++)
+        if (info->matte[k].id[layer])
+            out[count++] = (struct glint_matte_total){info->matte[k].name[layer],
+                                                      info->matte[k].id[layer], key[k]};
+    qsort(out, count, sizeof *out, by_name);
+    for (size_t i = 0; i < count; i++) {
+        if (kept && strcmp(out[kept - 1].name, out[i].name) == 0)
+            out[kept - 1].coverage += out[i].coverage;
+        else
+            out[kept++] = out[i];
+    }
+    return kept;
+}
+
+// A copy of the list in one block with its names, which outlives the scene; NULL without memory.
+static struct glint_matte_total *with_names(const struct glint_matte_total *list, size_t count)
+{
+    size_t bytes = (count + 1) * sizeof *list;
+    for (size_t i = 0; i < count; i++)
+        bytes += strlen(list[i].name) + 1;
+    struct glint_matte_total *out = malloc(bytes);
+    char *name = (char *)(out + count + 1);
+    for (size_t i = 0; out && i < count; i++) {
+        out[i] = list[i];
+        out[i].name = name;
+        name = stpcpy(name, list[i].name) + 1;
+    }
+    return out;
+}
+
+static glint_status add_up(const struct glint_film_source *s, enum glint_matte_layer layer,
+                           struct totals *sum, struct glint_matte_total *list,
+                           struct glint_matte_total **out, size_t *count, struct glint_error *err)
+{
+    uint32_t fewest;
+    const glint_status st = each_pixel(s, add_totals, sum, &fewest, err);
+    if (st)
+        return st;
+    *count = collect(s->info, layer, sum->key, list);
+    *out = with_names(list, *count);
+    return *out ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for %zu mattes", *count);
+}
+
+glint_status glint_film_mattes(const struct glint_film_source *s, enum glint_matte_layer layer,
+                               struct glint_matte_total **out, size_t *count, double *lost,
+                               struct glint_error *err)
+{
+    *out = NULL;
+    *count = 0;
+    if (!s->info->coverage)
+        return no_coverage(err);
+    const size_t n = s->info->mattes + (size_t)1;
+    struct totals sum = {calloc(n, sizeof *sum.key), 0.0};
+    struct glint_matte_total *list = malloc(n * sizeof *list);
+    const glint_status st = sum.key && list
+                                ? add_up(s, layer, &sum, list, out, count, err)
+                                : glint_fail(err, GLINT_E_NOMEM, "", "no memory for %zu mattes", n);
+    *lost = sum.lost;
+    free(sum.key);
+    free(list);
+    return st;
+}
+
+struct selection {
+    const bool *key; // [mattes]
+    float *plane;    // of the region
+};
+
+static void add_selected(const struct glint_film_info *info, const struct covered *at, void *user)
+{
+    const struct selection *of = user;
+    uint64_t amount = 0;
+    for (uint32_t s = 0; s < info->job->matte_slots; s++)
+        if (of->key[gk_matte_key(at->table[s])])
+            amount += gk_matte_amount(at->table[s]);
+    of->plane[at->out] = (float)((double)amount / ((double)GK_MATTE_ONE * at->samples));
+}
+
+static glint_status select_names(const struct glint_film_info *info, enum glint_matte_layer layer,
+                                 const char *const *names, size_t count, bool *selected,
+                                 struct glint_error *err)
+{
+    glint_status st = GLINT_OK;
+    for (size_t i = 0; i < count; i++) {
+        bool found = false;
+        for (uint32_t k = 2; k < info->mattes; k++)
+            if (info->matte[k].id[layer] && strcmp(info->matte[k].name[layer], names[i]) == 0)
+                found = selected[k] = true;
+        if (!found)
+            st = glint_fail(err, GLINT_E_NOT_FOUND, "/name", "no %s is named \"%s\"",
+                            glint_film_matte_type[layer], names[i]);
+    }
+    return st;
+}
+
+static glint_status fill_matte(const struct glint_film_source *s, const bool *selected,
+                               struct glint_frame *f, struct glint_error *err)
+{
+    struct selection of = {selected, glint_frame_channel(f, "A", GLINT_PIXEL_FLOAT)};
+    uint32_t fewest = 0;
+    if (of.plane) {
+        const glint_status st = each_pixel(s, add_selected, &of, &fewest, err);
+        if (st)
+            return st;
+    }
+    return of.plane && !glint_film_attributes(s, f, fewest)
+               ? GLINT_OK
+               : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a matte");
+}
+
+static glint_status unite(const struct glint_film_source *s, enum glint_matte_layer layer,
+                          const char *const *names, size_t count, bool *selected,
+                          struct glint_frame **out, struct glint_error *err)
+{
+    const struct glint_job *job = s->info->job;
+    glint_status st = select_names(s->info, layer, names, count, selected, err);
+    if (!st)
+        st = glint_frame_create(out, job->width, job->height, (int32_t)job->region[0],
+                                (int32_t)job->region[1], job->region[2], job->region[3], err);
+    if (st)
+        return st;
+    st = fill_matte(s, selected, *out, err);
+    if (st)
+        glint_frame_destroy(out);
+    return st;
+}
+
+glint_status glint_film_matte(const struct glint_film_source *s, enum glint_matte_layer layer,
+                              const char *const *names, size_t count, struct glint_frame **out,
+                              struct glint_error *err)
+{
+    *out = NULL;
+    if (!s->info->coverage)
+        return no_coverage(err);
+    bool *selected = calloc(s->info->mattes + (size_t)1, sizeof *selected);
+    const glint_status st = selected ? unite(s, layer, names, count, selected, out, err)
+                                     : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a matte");
+    free(selected);
+    return st;
+}

@@ -1,0 +1,35 @@
+// film_parts.h - what frames and mattes of a film share. Not for others.
+#ifndef GLINT_PROTOCOL_FILM_PARTS_H
+#define GLINT_PROTOCOL_FILM_PARTS_H
+
+#include "cryptomatte.h"
+#include "film.h"
+
+#define GLINT_MAX_SLOTS 32
+
+extern const char *const glint_film_matte_type[GLINT_MATTE_LAYERS]; // "CryptoObject" and so on
+extern const uint32_t glint_film_matte_output[GLINT_MATTE_LAYERS];
+
+// Fills rank[slots] with the IDs of a layer that cover the pixel with this table, sorted, coverage
+// over `samples`; several keys may share an ID. Returns their number.
+// Source: Cryptomatte 1.2.0, "Ranking Pixel Filter".
+uint32_t glint_film_rank(const struct glint_film_info *info, const uint64_t *table,
+                         enum glint_matte_layer layer, uint32_t samples,
+                         struct glint_cryptomatte_rank *rank);
+
+// The manifest of every name in a layer; malloc'd, NULL without memory.
+char *glint_film_manifest(const struct glint_film_info *info, enum glint_matte_layer layer);
+
+// Adds the attributes that every frame has, CONVENTIONS b; `samples`: the fewest of its pixels.
+// GLINT_E_NOMEM: some are missing.
+glint_status glint_film_attributes(const struct glint_film_source *source, struct glint_frame *f,
+                                   uint32_t samples);
+
+// Samples of pixel i.
+static inline uint32_t glint_film_samples_of(const struct glint_film_pixels *p, uint32_t i,
+                                             uint32_t half)
+{
+    return p->each ? p->each[i][half] : p->half[half];
+}
+
+#endif

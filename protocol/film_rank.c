@@ -1,0 +1,58 @@
+// film_rank.c - from the slot table of a pixel to the ranked IDs of one Cryptomatte layer.
+#include "protocol/film_parts.h"
+
+#include "kernels/gk_matte.h"
+#include "kernels/gk_wave.h"
+
+#include <stdlib.h>
+
+const char *const glint_film_matte_type[GLINT_MATTE_LAYERS] = {"CryptoObject", "CryptoMaterial",
+                                                               "CryptoAsset"};
+const uint32_t glint_film_matte_output[GLINT_MATTE_LAYERS] = {
+    GLINT_OUT_CRYPTO_OBJECT, GLINT_OUT_CRYPTO_MATERIAL, GLINT_OUT_CRYPTO_ASSET};
+
+static uint32_t id_of(const struct glint_film_info *info, uint32_t key,
+                      enum glint_matte_layer layer)
+{
+    return key == GK_MATTE_BACKGROUND ? 0 : info->matte[key].id[layer];
+}
+
+uint32_t glint_film_rank(const struct glint_film_info *info, const uint64_t *table,
+                         enum glint_matte_layer layer, uint32_t samples,
+                         struct glint_cryptomatte_rank *rank)
+{
+    uint64_t amount[GLINT_MAX_SLOTS];
+    uint32_t n = 0;
+    for (uint32_t s = 0; s < info->job->matte_slots; s++) {
+        const uint32_t key = gk_matte_key(table[s]);
+        if (!key)
+            continue;
+        const uint32_t id = id_of(info, key, layer);
+        uint32_t k = 0;
+        while (k < n && rank[k].id != id)
+            k++;
+        if (k == n) {
+            rank[n].id = id;
+            amount[n++] = 0;
+        }
+        amount[k] += gk_matte_amount(table[s]);
+    }
+    for (uint32_t k = 0; k < n; k++)
+        rank[k].coverage = (float)((double)amount[k] / ((double)GK_MATTE_ONE * samples));
+    glint_cryptomatte_sort(rank, n);
+    return n;
+}
+
+char *glint_film_manifest(const struct glint_film_info *info, enum glint_matte_layer layer)
+{
+    const char **names = malloc((info->mattes + 1) * sizeof *names);
+    if (!names)
+        return NULL;
+    size_t count = 0;
+    for (uint32_t k = 2; k < info->mattes; k++)
+        if (info->matte[k].id[layer])
+            names[count++] = info->matte[k].name[layer];
+    char *manifest = glint_cryptomatte_manifest(names, count);
+    free(names);
+    return manifest;
+}
