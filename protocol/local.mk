@@ -87,7 +87,8 @@ contract_sources = \
 	protocol/schema/job.json \
 	protocol/schema/scene.json
 EXTRA_DIST += build-aux/bundle.awk $(contract_sources) \
-	protocol/examples/job.json protocol/examples/scene.json
+	protocol/examples/job.json protocol/examples/scene.json \
+	protocol/examples/walkthrough.sh
 
 protocol/contract.c: $(contract_sources) build-aux/bundle.awk build-aux/embed.awk
 	$(AM_V_GEN)$(MKDIR_P) protocol

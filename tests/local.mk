@@ -192,8 +192,9 @@ SCRIPT_TESTS = \
 	tests/clients/cli_update.py \
 	tests/clients/cli_usage.py \
 	tests/clients/demo_scene.py \
-	tests/http/test_contract.py \
+	tests/clients/walkthrough.py \
 	tests/http/test_auth.py \
+	tests/http/test_contract.py \
 	tests/http/test_daemon.py \
 	tests/http/test_formats.py \
 	tests/http/test_hostile.py \
@@ -202,6 +203,7 @@ SCRIPT_TESTS = \
 	tests/http/test_scenes.py \
 	tests/http/test_service.py \
 	tests/http/test_streams.py \
+	tests/http/test_unit.py \
 	tests/http/test_updates.py \
 	tests/render/test_cryptomatte_node.py \
 	tests/render/test_exr_readers.py \
@@ -214,7 +216,7 @@ TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
 dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/http/soak tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised
 dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
 	tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \
-	tests/http/contract_hooks.py tests/http/daemon.py \
+	tests/http/contract_hooks.py tests/http/daemon.py tests/http/sandbox.py \
 	tests/http/soak_plot.py \
 	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/density.h tests/kernel/surface.h \
 	tests/render/cryptomatte.py tests/render/cryptomatte_node.py \
