@@ -48,25 +48,39 @@ static void apply(struct glint_house *h, struct glint_settings *settings)
     glint_http_set_limits(h->http, &h->settings.http);
 }
 
+// All files before any change. *tokens: NULL where none are needed.
+static glint_status read_files(struct glint_house *h, struct glint_settings *settings,
+                               glint_tokens **tokens, struct glint_error *err)
+{
+    *tokens = NULL;
+    glint_status st = glint_settings_read(settings, &h->source, err);
+    if (!st && h->tokens && settings->token_file) {
+        st = glint_tokens_create(tokens, err);
+        st = st ? st : glint_tokens_load(*tokens, settings->token_file, err);
+    }
+    if (!st && h->tls && settings->tls_cert)
+        st = glint_tls_load(h->tls, settings->tls_cert, settings->tls_key, err);
+    return st;
+}
+
 // Nothing changes where anything is wrong.
 static void reload(struct glint_house *h)
 {
     struct glint_error err = {0};
     struct glint_settings settings;
+    glint_tokens *tokens;
     glint_notify_reloading();
-    glint_status st = glint_settings_read(&settings, &h->source, &err);
-    if (!st && h->tokens && settings.token_file)
-        st = glint_tokens_load(h->tokens, settings.token_file, &err);
-    if (!st && h->tls && settings.tls_cert)
-        st = glint_tls_load(h->tls, settings.tls_cert, settings.tls_key, &err);
-    if (st) {
+    if (read_files(h, &settings, &tokens, &err)) {
         glint_settings_finish(&settings);
         tell_faults(&err);
-        return;
+    } else {
+        if (tokens)
+            glint_tokens_exchange(h->tokens, tokens);
+        apply(h, &settings);
+        glint_log(GLINT_LOG_INFO, "main", NULL, NULL, "settings were read again");
+        glint_notify_ready("serving %s", h->url);
     }
-    apply(h, &settings);
-    glint_log(GLINT_LOG_INFO, "main", NULL, NULL, "settings were read again");
-    glint_notify_ready("serving %s", h->url);
+    glint_tokens_destroy(&tokens);
 }
 
 // Somebody who asks twice does not want to wait.

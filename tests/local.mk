@@ -4,6 +4,7 @@
 if HAVE_CMOCKA
 UNIT_TESTS = \
 	tests/clients/test_sse \
+	tests/clients/test_tev_packet \
 	tests/clients/test_uri \
 	tests/kernel/test_bsdf \
 	tests/kernel/test_bsdf_density \
@@ -181,6 +182,7 @@ tests_unit_test_store_SOURCES = tests/unit/test_store.c tests/unit/fake_scene.c 
 tests_unit_test_http_SOURCES = tests/unit/test_http.c tests/unit/fake_house.c \
 	tests/unit/fake_house.h
 tests_clients_test_sse_LDADD = libglintcli.a $(LDADD)
+tests_clients_test_tev_packet_LDADD = libglintcli.a $(LDADD)
 tests_clients_test_uri_LDADD = libglintcli.a $(LDADD)
 
 # *.py and *.sh; shared Python modules and data of tests go to dist_check_DATA.
@@ -189,6 +191,7 @@ SCRIPT_TESTS = \
 	tests/clients/cli_bundle.py \
 	tests/clients/cli_identity.py \
 	tests/clients/cli_render.py \
+	tests/clients/cli_tev.py \
 	tests/clients/cli_update.py \
 	tests/clients/cli_usage.py \
 	tests/clients/demo_scene.py \

@@ -151,14 +151,23 @@ static glint_status read_lines(struct token *token, size_t *count, const char *n
     return st;
 }
 
+void glint_tokens_exchange(glint_tokens *to, glint_tokens *from)
+{
+    pthread_mutex_lock(&to->mutex);
+    struct token *const token = to->token;
+    const size_t count = to->count;
+    to->token = from->token;
+    to->count = from->count;
+    pthread_mutex_unlock(&to->mutex);
+    from->token = token;
+    from->count = count;
+}
+
 static void replace(glint_tokens *tokens, struct token *token, size_t count)
 {
-    pthread_mutex_lock(&tokens->mutex);
-    struct token *old = tokens->token;
-    tokens->token = token;
-    tokens->count = count;
-    pthread_mutex_unlock(&tokens->mutex);
-    free(old);
+    glint_tokens other = {.token = token, .count = count};
+    glint_tokens_exchange(tokens, &other);
+    free(other.token);
 }
 
 glint_status glint_tokens_parse(glint_tokens *tokens, const char *name, const char *text,

@@ -39,6 +39,9 @@ glint_status glint_tokens_load(glint_tokens *tokens, const char *path, struct gl
 glint_status glint_tokens_parse(glint_tokens *tokens, const char *name, const char *text,
                                 size_t length, struct glint_error *err);
 
+// Gives `to` the tokens of `from`, and `from` those of `to`. `from` is nobody else's.
+void glint_tokens_exchange(glint_tokens *to, glint_tokens *from);
+
 size_t glint_tokens_count(glint_tokens *tokens);
 
 // What the bearer of `secret` may, and his name. The time it takes tells nothing of the digests.

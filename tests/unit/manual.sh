@@ -22,4 +22,13 @@ documents glintd.8 "$GLINTD"
 for command in render put scenes update jobs watch get cancel mattes matte plan; do
     documents glint.1 "$GLINT" $command
 done
+
+n=$((n + 1))
+missing=
+for setting in $(sed -n 's/^    {"\([a-z_]*\)", [A-Z]*, AT.*/\1/p' "$top_srcdir/daemon/settings.c"); do
+    grep -q "^\.BR $setting\>\|, \" $setting\>" "$top_srcdir/deploy/man/glintd.conf.5" ||
+        missing="$missing $setting"
+done
+[ -z "$missing" ] && echo "ok $n - the manual has every setting" ||
+    echo "not ok $n - the manual has every setting: not$missing"
 echo "1..$n"
