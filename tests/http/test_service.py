@@ -9,6 +9,7 @@ import re
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -405,6 +406,57 @@ def test_lines_have_a_priority_and_only_those_wanted_are_written():
     assert re.search(r"^<6>http request=[0-9a-f]+ trace=[0-9a-f]{32}: PUT /v1/scenes/room: 201, ",
                      text, re.M), text
     assert "GET /v1" not in text
+
+
+# Stands in for systemd: a /run of its own where the journal's socket is the test's.
+JOURNAL = """
+import ctypes, os, sys
+libc = ctypes.CDLL(None, use_errno=True)
+if libc.unshare(0x20000) or libc.mount(b"none", b"/", None, 0x44000, None) or \\
+        libc.mount(b"tmpfs", b"/run", b"tmpfs", 0, None):
+    sys.exit(77)
+os.makedirs("/run/systemd/journal")
+os.symlink(sys.argv[1], "/run/systemd/journal/socket")
+at = os.fstat(2)
+os.environ["JOURNAL_STREAM"] = f"{at.st_dev}:{at.st_ino}"
+os.execv(sys.argv[2], sys.argv[2:])
+"""
+
+
+def entry(datagram):
+    """The fields of an entry in the journal's native format, short values only."""
+    return dict(line.split("=", 1) for line in datagram.decode().splitlines())
+
+
+def test_lines_are_entries_with_fields_where_standard_error_is_the_journals():
+    with tempfile.TemporaryDirectory() as folder, \
+            socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as journal:
+        path = os.path.join(folder, "journal")
+        journal.bind(path)
+        journal.settimeout(PATIENCE)
+        launched = [sys.executable, "-c", JOURNAL, path]
+        if subprocess.run([*launched, "/bin/true"], timeout=PATIENCE).returncode:
+            raise tap.Skip("no mount namespace")
+
+        def launch(command, **options):
+            return subprocess.Popen([*launched, *command], **options)
+
+        with Daemon("--threads", "1", launch=launch) as daemon:
+            daemon.put("room", ROOM, **{"X-Request-Id": "r1", "Glint-Client": "alice"})
+            job = daemon.submit(scene="room", stop={"samples": 1})
+            daemon.frame(job)
+            daemon.stop()
+            assert daemon.logged() == ""
+        journal.setblocking(False)
+        entries = []
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                entries.append(entry(journal.recv(65536)))
+    put = next(e for e in entries if e.get("GLINT_PATH") == "/v1/scenes/room")
+    assert put["REQUEST_ID"] == "r1" and put["PRIORITY"] == "6" and put["GLINT_STATUS"] == "201"
+    assert put["GLINT_CLIENT"] == "alice" and len(put["TRACE_ID"]) == 32
+    assert put["SYSLOG_IDENTIFIER"] == "glintd" and put["MESSAGE"].startswith("PUT /v1/scenes/room")
+    assert any(e.get("JOB_ID") == job and e["GLINT_CATEGORY"] == "jobs" for e in entries)
 
 
 if __name__ == "__main__":
