@@ -149,6 +149,39 @@ def done(state):
     return state["state"] == "done"
 
 
+def test_more_samples_continue_a_finished_job_to_the_bytes_of_one_run():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        whole = daemon.submit(scene="room", stop={"samples": 40}, seed=3)
+        job = daemon.submit(scene="room", stop={"samples": 7}, seed=3)
+        first = daemon.frame(job)
+        spent = daemon.job(job)["rays"]["camera"]
+        answer = patch(daemon, job, {"stop": {"samples": 40}})
+        assert answer.status == 200 and answer.json()["job"]["stop"] == {"samples": 40}
+        frame = daemon.frame(job)
+        state = daemon.job(job)
+        assert state["samples"] == 40
+        assert frame == daemon.frame(whole) != first
+        # The seven that were there were not taken again.
+        assert state["rays"]["camera"] == daemon.job(whole)["rays"]["camera"] > spent
+        assert patch(daemon, job, {"stop": {"samples": 12}}).status == 409
+        assert patch(daemon, job, {"stop": {"samples": 40}}).status == 200  # said twice
+        assert patch(daemon, job, {"stop": {"samples": 0}}).pointers() == ["/stop/samples"]
+
+
+def test_a_cancelled_job_goes_on_to_the_bytes_of_one_run():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = daemon.submit(scene="room", stop={"samples": 1000000}, seed=5)
+        daemon.until(job, lambda j: j["samples"] > 0)
+        daemon.delete(f"/v1/jobs/{job}")
+        daemon.until(job, lambda j: j["state"] == "cancelled")
+        more = {"samples": daemon.job(job)["samples"] + 20}
+        assert patch(daemon, job, {"stop": more}).status == 200
+        whole = daemon.submit(scene="room", stop=more, seed=5)
+        assert daemon.frame(job) == daemon.frame(whole)
+
+
 def test_who_is_preempted_goes_on_to_the_same_bytes():
     with Daemon("--threads", "2") as daemon:
         daemon.put("room", ROOM)
