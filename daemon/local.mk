@@ -38,6 +38,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/base/tokens.h \
 	daemon/base/vault.c \
 	daemon/base/vault.h \
+	daemon/device/ahead.c \
+	daemon/device/ahead.h \
 	daemon/device/buffer.c \
 	daemon/device/compiler.c \
 	daemon/device/compiler.h \
@@ -45,6 +47,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/device/device.h \
 	daemon/device/internal.h \
 	daemon/device/launch.c \
+	daemon/device/listing.c \
+	daemon/device/listing.h \
 	daemon/device/platform.c \
 	daemon/device/program.c \
 	daemon/device/program.h \
@@ -111,6 +115,10 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/watch.h \
 	daemon/jobs/admit.c \
 	daemon/jobs/admit.h \
+	daemon/jobs/checkpoint.c \
+	daemon/jobs/checkpoint.h \
+	daemon/jobs/checkpoint_file.c \
+	daemon/jobs/checkpoint_file.h \
 	daemon/jobs/commands.c \
 	daemon/jobs/crew.c \
 	daemon/jobs/crew.h \
@@ -118,6 +126,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/describe.h \
 	daemon/jobs/jobs.c \
 	daemon/jobs/jobs.h \
+	daemon/jobs/journal.c \
+	daemon/jobs/journal.h \
 	daemon/jobs/list.c \
 	daemon/jobs/look.c \
 	daemon/jobs/look.h \
@@ -125,6 +135,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/need.h \
 	daemon/jobs/patch.c \
 	daemon/jobs/patch.h \
+	daemon/jobs/restart.c \
+	daemon/jobs/restart.h \
 	daemon/jobs/scheduler.c \
 	daemon/jobs/scheduler.h \
 	daemon/jobs/scheduler_parts.h \
@@ -311,3 +323,11 @@ glintd_SOURCES = \
 	daemon/ticker.c \
 	daemon/ticker.h
 glintd_LDADD = $(DAEMON_LIBS)
+
+# Started by glintd: compiles kernels beside it.
+AM_CPPFLAGS += -DGLINT_LIBEXEC=\"$(pkglibexecdir)\"
+pkglibexec_PROGRAMS = glint-kernels
+glint_kernels_SOURCES = daemon/device/kernels.c
+glint_kernels_LDADD = libglintdaemon.a libglint.a $(OPENCL_LIBS) $(CRYPTO_LIBS) $(CJSON_LIBS) \
+	$(SYSTEMD_LIBS) -lm -ldl
+glintd$(EXEEXT): glint-kernels$(EXEEXT)

@@ -243,6 +243,7 @@ SH_LOG_COMPILER = $(SHELL) $(top_srcdir)/tests/run-tap $(SHELL)
 AM_TESTS_ENVIRONMENT = \
 	CMOCKA_MESSAGE_OUTPUT=TAP; export CMOCKA_MESSAGE_OUTPUT; \
 	GLINTD='$(abs_top_builddir)/glintd'; export GLINTD; \
+	GLINT_KERNELS='$(abs_top_builddir)/glint-kernels'; export GLINT_KERNELS; \
 	XDG_CACHE_HOME='$(abs_top_builddir)/tests/cache'; export XDG_CACHE_HOME; \
 	GLINT='$(abs_top_builddir)/glint'; export GLINT; \
 	: "$${GLINT_SCENES:=$(abs_top_srcdir)/../shared/scenes}"; export GLINT_SCENES; \

@@ -84,6 +84,8 @@ glint_status glint_devices_create(glint_devices **out, uint32_t workers, const c
                           : open_context(d, cache_dir, err);
     if (!st)
         st = glint_source_expand(&d->source, glint_sources, err);
+    if (!st)
+        st = glint_ahead_create(&d->ahead, getenv("POCL_CACHE_DIR"), NULL, err);
     if (st)
         glint_devices_destroy(&d);
     *out = d;
@@ -97,6 +99,7 @@ void glint_devices_destroy(glint_devices **devices)
         return;
     *devices = NULL;
     glint_programs_destroy(d);
+    glint_ahead_destroy(&d->ahead);
     for (uint32_t i = 0; d->worker && i < d->slots; i++)
         if (d->worker[i].queue)
             clReleaseCommandQueue(d->worker[i].queue);

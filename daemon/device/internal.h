@@ -2,6 +2,7 @@
 #ifndef GLINT_DEVICE_INTERNAL_H
 #define GLINT_DEVICE_INTERNAL_H
 
+#include "device/ahead.h"
 #include "device/device.h"
 
 #include <CL/cl.h>
@@ -22,6 +23,7 @@ struct glint_devices {
     uint32_t slots; // the workers and the spare
     char *name, *version;
     char *source;           // the embedded kernels, expanded
+    glint_ahead *ahead;     // NULL: kernels are compiled when they are launched
     pthread_mutex_t build;  // guards `program`, held while one is built
     glint_program *program; // most recently used first
 };

@@ -2,6 +2,7 @@
 #include "device/program.h"
 
 #include "base/log.h"
+#include "device/ahead.h"
 #include "device/internal.h"
 
 #include <assert.h>
@@ -10,8 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What every variant is built with. There is no fast-math flag: infinity is a value here.
-#define COMMON_OPTIONS "-cl-std=CL1.2 -cl-denorms-are-zero -DGK_DEVICE"
+// What every variant is built with. There is no fast-math flag: infinity is a value here. Whoever
+// compiles ahead of the first launch needs to know the arguments of a kernel.
+#define COMMON_OPTIONS "-cl-std=CL1.2 -cl-denorms-are-zero -cl-kernel-arg-info -DGK_DEVICE"
 
 // Idle programs above this number are dropped, the longest unused first.
 #define MAX_PROGRAMS 32
@@ -128,16 +130,26 @@ static void drop_idle(glint_devices *devices)
     }
 }
 
-glint_status glint_program_build(glint_program **out, glint_devices *devices, const char *source,
-                                 const char *options, struct glint_error *err)
+// The program, retained, or NULL where it is not loaded.
+static glint_program *look_up(glint_devices *devices, const char *key)
 {
-    char key[65];
-    assert(out && devices && source && options);
-    *out = NULL;
-    if (!make_key(key, devices, source, options))
-        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a program's key");
     pthread_mutex_lock(&devices->build);
+    glint_program *p = find(devices, key);
+    if (p) {
+        atomic_fetch_add_explicit(&p->references, 1, memory_order_relaxed);
+        p->next = devices->program;
+        devices->program = p;
+    }
+    pthread_mutex_unlock(&devices->build);
+    return p;
+}
+
+// Another thread may have loaded it meanwhile.
+static glint_status load(glint_program **out, glint_devices *devices, const char *key,
+                         const char *source, const char *options, struct glint_error *err)
+{
     glint_status st = GLINT_OK;
+    pthread_mutex_lock(&devices->build);
     glint_program *p = find(devices, key);
     if (!p) {
         st = create(&p, devices, key, source, options, err);
@@ -155,10 +167,33 @@ glint_status glint_program_build(glint_program **out, glint_devices *devices, co
     return st;
 }
 
+glint_status glint_program_build(glint_program **out, glint_devices *devices, const char *source,
+                                 const char *options, struct glint_error *err)
+{
+    char key[65];
+    assert(out && devices && source && options);
+    *out = NULL;
+    if (!make_key(key, devices, source, options))
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a program's key");
+    *out = look_up(devices, key);
+    return *out ? GLINT_OK : load(out, devices, key, source, options, err);
+}
+
+// What the embedded kernels compile to is made ahead, beside those who find theirs loaded.
 glint_status glint_program_get(glint_program **out, glint_devices *devices, const char *options,
                                struct glint_error *err)
 {
-    return glint_program_build(out, devices, devices->source, options, err);
+    char key[65];
+    assert(out && devices && options);
+    *out = NULL;
+    if (!make_key(key, devices, devices->source, options))
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a program's key");
+    *out = look_up(devices, key);
+    if (*out)
+        return GLINT_OK;
+    const glint_status st =
+        devices->ahead ? glint_ahead_compile(devices->ahead, key, options, err) : GLINT_OK;
+    return st ? st : load(out, devices, key, devices->source, options, err);
 }
 
 // Release order: what the holder did with the program happened before the cache destroys it.

@@ -1,0 +1,210 @@
+#include "device/listing.h"
+
+#include "base/sha256.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <ftw.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define MAX_PATH 512
+#define MAX_FILES 256
+
+static bool hash_file(const char *path, char hex[65])
+{
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    struct stat s;
+    bool ok = fd >= 0 && !fstat(fd, &s) && S_ISREG(s.st_mode) && s.st_size > 0;
+    void *bytes = ok ? mmap(NULL, (size_t)s.st_size, PROT_READ, MAP_PRIVATE, fd, 0) : MAP_FAILED;
+    ok = bytes != MAP_FAILED;
+    if (ok) {
+        glint_sha256(bytes, (size_t)s.st_size, hex);
+        munmap(bytes, (size_t)s.st_size);
+    }
+    if (fd >= 0)
+        close(fd);
+    return ok;
+}
+
+// A path that stays in the cache.
+static bool is_inside(const char *path)
+{
+    return path[0] && path[0] != '/' && strlen(path) < MAX_PATH && !strstr(path, "..");
+}
+
+static FILE *open_listing(const char *cache, const char *key, const char *mode)
+{
+    char path[MAX_PATH * 2];
+    snprintf(path, sizeof path, "%s/glint-%s", cache, key);
+    return fopen(path, mode);
+}
+
+// The next file of a listing: 1; 0: there is none; -1: this is no listing.
+static int next_file(FILE *in, char hex[65], char path[MAX_PATH])
+{
+    char line[MAX_PATH + 80];
+    if (!fgets(line, sizeof line, in))
+        return ferror(in) ? -1 : 0;
+    if (sscanf(line, "%64[0-9a-f] %511[^\n]", hex, path) != 2 || !strchr(line, '\n'))
+        return -1;
+    return strlen(hex) == 64 && is_inside(path) ? 1 : -1;
+}
+
+static bool skip_options(FILE *in)
+{
+    int c;
+    while ((c = getc(in)) != EOF && c != '\n')
+        ;
+    return c == '\n';
+}
+
+static bool holds(FILE *in, const char *cache)
+{
+    char listed[65], found[65], path[MAX_PATH], whole[MAX_PATH * 2];
+    int files = 0, more = skip_options(in) ? 1 : -1;
+    while (more > 0 && (more = next_file(in, listed, path)) > 0) {
+        snprintf(whole, sizeof whole, "%s/%s", cache, path);
+        if (!hash_file(whole, found) || strcmp(listed, found))
+            return false;
+        files++;
+    }
+    return more == 0 && files > 0;
+}
+
+static void remove_listed(FILE *in, const char *cache)
+{
+    char hex[65], path[MAX_PATH], whole[MAX_PATH * 2];
+    rewind(in);
+    if (!skip_options(in))
+        return;
+    while (next_file(in, hex, path) > 0) {
+        snprintf(whole, sizeof whole, "%s/%s", cache, path);
+        unlink(whole);
+    }
+}
+
+bool glint_listing_holds(const char *cache, const char *key)
+{
+    char path[MAX_PATH * 2];
+    FILE *in = open_listing(cache, key, "re");
+    if (!in)
+        return false;
+    const bool whole = holds(in, cache);
+    if (!whole) {
+        remove_listed(in, cache);
+        snprintf(path, sizeof path, "%s/glint-%s", cache, key);
+        unlink(path);
+    }
+    fclose(in);
+    return whole;
+}
+
+// ---- taking
+
+struct taking {
+    const char *cache, *from;
+    FILE *list;
+    char *file[MAX_FILES];
+    int files;
+    bool failed;
+};
+
+// nftw() has no argument for its caller.
+static _Thread_local struct taking *taking;
+
+static bool make_folders(char *path)
+{
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = 0;
+        const int failed = mkdir(path, 0700);
+        *slash = '/';
+        if (failed && errno != EEXIST)
+            return false;
+    }
+    return true;
+}
+
+// The program itself comes from every process that compiled some of its kernels.
+static bool is_taken(const char *inside)
+{
+    for (int i = 0; i < taking->files; i++)
+        if (!strcmp(taking->file[i], inside))
+            return true;
+    return false;
+}
+
+static bool take_file(const char *from, const char *inside)
+{
+    char to[MAX_PATH * 2], hex[65];
+    if (is_taken(inside))
+        return true;
+    snprintf(to, sizeof to, "%s/%s", taking->cache, inside);
+    if (taking->files == MAX_FILES || !is_inside(inside) || !hash_file(from, hex) ||
+        !make_folders(to) || rename(from, to))
+        return false;
+    char *copy = strdup(inside);
+    if (!copy)
+        return false;
+    taking->file[taking->files++] = copy;
+    fprintf(taking->list, "%s %s\n", hex, inside);
+    return true;
+}
+
+// What PoCL leaves at the top of its folder is of no more use.
+static int take_one(const char *path, const struct stat *s, int type, struct FTW *at)
+{
+    const char *inside = path + strlen(taking->from) + 1;
+    if (type == FTW_F && at->level > 1 && s->st_size > 0)
+        taking->failed = taking->failed || !take_file(path, inside);
+    return 0;
+}
+
+static bool take_all(FILE *list, const char *cache, const char *const *made, int count)
+{
+    struct taking t = {.cache = cache, .list = list};
+    taking = &t;
+    for (int i = 0; i < count && !t.failed; i++) {
+        t.from = made[i];
+        t.failed = nftw(made[i], take_one, 16, FTW_PHYS) != 0;
+    }
+    taking = NULL;
+    for (int i = 0; i < t.files; i++)
+        free(t.file[i]);
+    return !t.failed && t.files > 0;
+}
+
+bool glint_listing_take(const char *cache, const char *key, const char *options,
+                        const char *const *made, int count)
+{
+    char path[MAX_PATH * 2], fresh[MAX_PATH * 2];
+    snprintf(path, sizeof path, "%s/glint-%s", cache, key);
+    snprintf(fresh, sizeof fresh, "%s/glint-%s.%ld", cache, key, (long)getpid());
+    FILE *list = fopen(fresh, "we");
+    if (!list)
+        return false;
+    fprintf(list, "%s\n", options);
+    bool ok = take_all(list, cache, made, count);
+    ok = fclose(list) == 0 && ok && rename(fresh, path) == 0;
+    if (!ok)
+        unlink(fresh);
+    return ok;
+}
+
+static int remove_one(const char *path, const struct stat *s, int type, struct FTW *at)
+{
+    (void)s;
+    (void)type;
+    (void)at;
+    remove(path); // what stays is a few bytes of a cache
+    return 0;
+}
+
+void glint_folder_remove(const char *path)
+{
+    nftw(path, remove_one, 16, FTW_PHYS | FTW_DEPTH);
+}
