@@ -26,6 +26,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/base/metrics.h \
 	daemon/base/notify.c \
 	daemon/base/notify.h \
+	daemon/base/process.c \
+	daemon/base/process.h \
 	daemon/base/queue.c \
 	daemon/base/queue.h \
 	daemon/base/sha256.c \
@@ -330,4 +332,4 @@ pkglibexec_PROGRAMS = glint-kernels
 glint_kernels_SOURCES = daemon/device/kernels.c
 glint_kernels_LDADD = libglintdaemon.a libglint.a $(OPENCL_LIBS) $(CRYPTO_LIBS) $(CJSON_LIBS) \
 	$(SYSTEMD_LIBS) -lm -ldl
-glintd$(EXEEXT): glint-kernels$(EXEEXT)
+EXTRA_glintd_DEPENDENCIES = glint-kernels$(EXEEXT)
