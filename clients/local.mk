@@ -36,6 +36,9 @@ libglintcli_a_SOURCES = \
 	clients/cli/spawn.c clients/cli/spawn.h \
 	clients/cli/sse.c clients/cli/sse.h \
 	clients/cli/table.c clients/cli/table.h \
+	clients/cli/tev.c clients/cli/tev.h \
+	clients/cli/tev_packet.c clients/cli/tev_packet.h \
+	clients/cli/tev_stream.c clients/cli/tev_stream.h \
 	clients/cli/upload.c clients/cli/upload.h \
 	clients/cli/uri.c clients/cli/uri.h
 libglintcli_a_CPPFLAGS = $(AM_CPPFLAGS) -DGLINT_LIBEXECDIR='"$(pkglibexecdir)"'

@@ -12,25 +12,29 @@
 #include <unistd.h>
 
 #define STREAM_SILENCE_S 60L
-
-struct glint_client {
-    CURLM *multi;
-    CURL *easy;
-    char *url;
-    char *token, *certificates; // or NULL
-    char user[65];              // what the daemon shares its workers by, "": nameless
-};
+#define POLL_MS 1000
+#define IDLE_MS 100
 
 // One request on its way.
 struct transfer {
     const struct glint_request *request;
     CURL *easy;
+    struct curl_slist *headers; // owned
     struct glint_answer answer;
     size_t capacity;
     uint64_t sent;
     bool ended;      // by `receive`
     bool too_large;  // the answer does not fit
     bool file_short; // the body's file ended early
+};
+
+struct glint_client {
+    CURLM *multi;
+    CURL *easy;
+    struct transfer beside; // runs while it has an `easy`
+    char *url;
+    char *token, *certificates; // or NULL
+    char user[65];              // what the daemon shares its workers by, "": nameless
 };
 
 // The login name, as far as a Glint-Client header takes it.
@@ -104,6 +108,7 @@ void glint_client_destroy(glint_client **client)
     *client = NULL;
     if (!c)
         return;
+    glint_client_end(c);
     curl_easy_cleanup(c->easy);
     curl_multi_cleanup(c->multi);
     free(c->url);
@@ -254,24 +259,57 @@ static void set_options(CURL *easy, struct transfer *t, const char *url,
     curl_easy_setopt(easy, CURLOPT_CUSTOMREQUEST, r->method); // after UPLOAD, which means PUT
 }
 
+static void finish_beside(glint_client *c)
+{
+    struct transfer *t = &c->beside;
+    curl_multi_remove_handle(c->multi, t->easy);
+    curl_easy_cleanup(t->easy);
+    curl_slist_free_all(t->headers);
+    free(t->answer.body);
+    *t = (struct transfer){0};
+}
+
+// Takes what has ended. True if the main transfer is among it.
+static bool take_ended(glint_client *c, CURLcode *result)
+{
+    int left;
+    bool ended = false;
+    for (CURLMsg *m; (m = curl_multi_info_read(c->multi, &left));) {
+        if (m->msg != CURLMSG_DONE)
+            continue;
+        if (m->easy_handle == c->easy) {
+            *result = m->data.result;
+            ended = true;
+        } else {
+            finish_beside(c);
+        }
+    }
+    return ended;
+}
+
+static void wait_for_bytes(glint_client *c, bool steady, int milliseconds)
+{
+    const struct glint_request *beside = c->beside.request;
+    struct curl_waitfd signal = {.fd = glint_interrupt_fd(), .events = CURL_WAIT_POLLIN};
+    const bool idles = beside && beside->idle;
+    if (idles && milliseconds > IDLE_MS)
+        milliseconds = IDLE_MS;
+    curl_multi_poll(c->multi, &signal, steady ? 0 : 1, milliseconds, NULL);
+    if (idles)
+        beside->idle(beside->user);
+}
+
 // Runs the transfer; false if a signal ended it.
 static bool drive(glint_client *c, bool steady, CURLcode *result)
 {
     *result = CURLE_FAILED_INIT;
-    for (int running = 1; running;) {
-        if (curl_multi_perform(c->multi, &running) != CURLM_OK)
+    for (int running;;) {
+        if (curl_multi_perform(c->multi, &running) != CURLM_OK || take_ended(c, result))
             return true;
         if (!steady && glint_interrupt_pending())
             return false;
-        struct curl_waitfd signal = {.fd = glint_interrupt_fd(), .events = CURL_WAIT_POLLIN};
-        if (running)
-            curl_multi_poll(c->multi, &signal, steady ? 0 : 1, 1000, NULL);
+        wait_for_bytes(c, steady, POLL_MS);
     }
-    int left;
-    for (CURLMsg *m; (m = curl_multi_info_read(c->multi, &left));)
-        if (m->msg == CURLMSG_DONE)
-            *result = m->data.result;
-    return true;
 }
 
 static glint_status judge(const glint_client *c, const struct transfer *t, CURLcode result,
@@ -306,30 +344,70 @@ static glint_status perform(glint_client *c, struct transfer *t, struct glint_er
     return judge(c, t, result, err);
 }
 
+// Sets up a transfer whose request and handle are given.
+static glint_status prepare(glint_client *c, struct transfer *t, struct glint_error *err)
+{
+    char *url = NULL;
+    const bool ready = asprintf(&url, "%s%s", c->url, t->request->path) >= 0 &&
+                       make_headers(c, t->request, &t->headers) && keep(t, "", 0);
+    if (ready)
+        set_options(t->easy, t, url, t->headers);
+    if (ready && c->certificates)
+        curl_easy_setopt(t->easy, CURLOPT_CAINFO, c->certificates);
+    free(url);
+    return ready ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a request");
+}
+
 glint_status glint_client_send(glint_client *client, const struct glint_request *request,
                                struct glint_answer *answer, struct glint_error *err)
 {
     struct transfer t = {.request = request, .easy = client->easy};
-    struct curl_slist *headers = NULL;
-    char *url = NULL;
-    glint_status status = GLINT_E_NOMEM;
-    if (asprintf(&url, "%s%s", client->url, request->path) >= 0 &&
-        make_headers(client, request, &headers) && keep(&t, "", 0)) {
-        set_options(client->easy, &t, url, headers);
-        if (client->certificates)
-            curl_easy_setopt(client->easy, CURLOPT_CAINFO, client->certificates);
+    glint_status status = prepare(client, &t, err);
+    if (!status)
         status = perform(client, &t, err);
-        curl_easy_setopt(client->easy, CURLOPT_HTTPHEADER, NULL);
-    } else {
-        glint_fail(err, status, "", "no memory for a request");
-    }
-    curl_slist_free_all(headers);
-    free(url);
+    curl_easy_setopt(client->easy, CURLOPT_HTTPHEADER, NULL);
+    curl_slist_free_all(t.headers);
     if (status == GLINT_OK && answer)
         *answer = t.answer;
     else
         free(t.answer.body);
     return status;
+}
+
+glint_status glint_client_begin(glint_client *client, const struct glint_request *request,
+                                struct glint_error *err)
+{
+    glint_client_end(client);
+    struct transfer *t = &client->beside;
+    *t = (struct transfer){.request = request, .easy = curl_easy_init()};
+    const glint_status status = t->easy
+                                    ? prepare(client, t, err)
+                                    : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a request");
+    if (!status)
+        curl_multi_add_handle(client->multi, t->easy);
+    else
+        finish_beside(client);
+    return status;
+}
+
+bool glint_client_runs(const glint_client *client)
+{
+    return client->beside.request != NULL;
+}
+
+void glint_client_end(glint_client *client)
+{
+    if (glint_client_runs(client))
+        finish_beside(client);
+}
+
+void glint_client_wait(glint_client *client, int milliseconds)
+{
+    CURLcode unused;
+    int running;
+    wait_for_bytes(client, false, milliseconds);
+    curl_multi_perform(client->multi, &running);
+    take_ended(client, &unused);
 }
 
 glint_status glint_client_json(glint_client *client, const struct glint_request *request,

@@ -37,6 +37,7 @@ struct glint_request {
     // Takes what a 2xx answer brings, piece by piece; false ends the transfer, which then is a
     // success. NULL: the body is kept in the answer.
     bool (*receive)(void *user, const void *bytes, size_t size);
+    void (*idle)(void *user); // of one that runs beside: called ten times a second; or NULL
     void *user;
 };
 
@@ -62,6 +63,14 @@ const char *glint_client_url(const glint_client *client);
 // `answer` may be NULL; its body is to be freed on success.
 glint_status glint_client_send(glint_client *client, const struct glint_request *request,
                                struct glint_answer *answer, struct glint_error *err);
+
+// Sends a request that has `receive` and runs beside whatever is sent from now on, until its answer
+// ends; what becomes of it shows in what was received. `request` and its texts must live as long.
+glint_status glint_client_begin(glint_client *client, const struct glint_request *request,
+                                struct glint_error *err);
+bool glint_client_runs(const glint_client *client);
+void glint_client_end(glint_client *client);                    // nothing runs beside any more
+void glint_client_wait(glint_client *client, int milliseconds); // lets it run for that long
 
 // Sends and parses the JSON object that must come back.
 glint_status glint_client_json(glint_client *client, const struct glint_request *request,

@@ -3,6 +3,7 @@
 #include "follow.h"
 #include "problem.h"
 #include "table.h"
+#include "tev_stream.h"
 
 #include <stdlib.h>
 
@@ -74,9 +75,12 @@ static glint_status run_watch(struct glint_session *s, const struct glint_argume
     cJSON *job = NULL;
     if (!glint_progress_init(&s->progress, glint_options_text(a, "progress"), s->json))
         return glint_session_usage(s, err, "--progress wants auto, bar, plain, openjd or none");
+    const char *tev = glint_options_text(a, "tev"), *id = a->text[0];
     glint_status status = glint_session_open(s, a, false, err);
+    if (!status && tev)
+        status = glint_tev_stream_create(&s->tev, s, tev, id, id, err);
     if (!status)
-        status = glint_follow_job(s, a->text[0], &job, err);
+        status = glint_follow_job(s, id, &job, err);
     if (!status)
         status = glint_follow_verdict(s, job, err);
     if (!status)
@@ -123,6 +127,7 @@ static glint_status run_cancel(struct glint_session *s, const struct glint_argum
 
 static const struct glint_option watch_options[] = {
     {"progress", 0, "STYLE", "auto, bar, plain, openjd or none"},
+    {"tev", 0, "HOST:PORT", "show the pictures in the viewer tev as they come"},
     {0},
 };
 

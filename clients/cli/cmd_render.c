@@ -5,6 +5,7 @@
 #include "interrupt.h"
 #include "order.h"
 #include "problem.h"
+#include "tev_stream.h"
 #include "upload.h"
 
 #include <stdio.h>
@@ -112,7 +113,10 @@ static glint_status wait_and_fetch(struct glint_session *s, const struct glint_o
                                    const char *id, struct glint_error *err)
 {
     cJSON *job = NULL;
-    glint_status status = glint_follow_job(s, id, &job, err);
+    glint_status status =
+        o->tev ? glint_tev_stream_create(&s->tev, s, o->tev, id, id, err) : GLINT_OK;
+    if (!status)
+        status = glint_follow_job(s, id, &job, err);
     if (!status)
         status = glint_follow_verdict(s, job, err);
     if (!status)

@@ -3,6 +3,7 @@
 #include "problem.h"
 #include "protocol/job.h"
 #include "sse.h"
+#include "tev_stream.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -118,6 +119,7 @@ static glint_status follow(struct follower *f, const char *id, const char *event
 {
     for (int silent = 0;;) {
         struct glint_error broken = {0};
+        glint_tev_stream_tend(f->session->tev);
         stream(f, events_path, &broken);
         silent = f->events ? 0 : silent + 1;
         if (glint_interrupt_pending())
@@ -133,6 +135,14 @@ static glint_status follow(struct follower *f, const char *id, const char *event
     }
 }
 
+// Ends the pictures as well.
+static void finish(struct follower *f)
+{
+    glint_tev_stream_destroy(&f->session->tev);
+    glint_progress_finish(&f->session->progress);
+    glint_sse_finish(&f->sse);
+}
+
 glint_status glint_follow_job(struct glint_session *s, const char *id, cJSON **job,
                               struct glint_error *err)
 {
@@ -146,8 +156,7 @@ glint_status glint_follow_job(struct glint_session *s, const char *id, cJSON **j
         status = follow(&f, id, events_path, job, err);
     else
         glint_fail(err, status, "", "no memory");
-    glint_progress_finish(&s->progress);
-    glint_sse_finish(&f.sse);
+    finish(&f);
     free(events_path);
     return status;
 }

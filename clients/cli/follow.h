@@ -7,7 +7,7 @@
 #include "session.h"
 
 // Shows progress and warnings until the job has ended; *job is then its resource. A stream that
-// breaks off is taken up where it was.
+// breaks off is taken up where it was. Ends s->tev.
 glint_status glint_follow_job(struct glint_session *s, const char *id, cJSON **job,
                               struct glint_error *err);
 

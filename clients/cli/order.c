@@ -109,6 +109,7 @@ const struct glint_option glint_order_options[] = {
     {"progress", 0, "STYLE", "auto, bar, plain, openjd or none"},
     {"wait", 0, NULL, "return when the outputs are in place (it always does)"},
     {"no-spawn", 0, NULL, "start no private daemon"},
+    {"tev", 0, "HOST:PORT", "show the picture in the viewer tev as it comes"},
     {"samples", 'n', "N", "stop at N samples per pixel"},
     {"seconds", 't', "S", "stop after S seconds of rendering"},
     {"error", 'e', "E", "stop at an estimated error of E"},
@@ -262,6 +263,7 @@ glint_status glint_order_read(struct glint_order *out, struct glint_session *s,
     if (glint_options_flag(a, "live"))
         set_member(out->job, NULL, "live", cJSON_CreateTrue());
     out->detached = detached || cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(out->job, "live"));
+    out->tev = glint_options_text(a, "tev");
     if (!glint_progress_init(&s->progress, glint_options_text(a, "progress"), s->json))
         status = glint_session_usage(s, err, "--progress wants auto, bar, plain, openjd or none");
     glint_status (*const parts[])(struct glint_order *, struct glint_session *,

@@ -15,12 +15,13 @@ struct glint_order {
     char *output[GLINT_MAX_FILES]; // owned
     size_t outputs;
     const char *key; // Idempotency-Key, or NULL
+    const char *tev; // address of a viewer, or NULL
     bool detached;   // nobody waits for the job: it is live, or was only to be submitted
 };
 
 // The options of a job whose frames are fetched; from [GLINT_ORDER_DETACHED] on those of a job that
 // is only submitted.
-#define GLINT_ORDER_DETACHED 4
+#define GLINT_ORDER_DETACHED 5
 extern const struct glint_option glint_order_options[];
 
 // Reads the command line and the file of --job; `detached` is set by the caller. What is wrong is a usage fault, each named;

@@ -9,9 +9,12 @@
 #include "progress.h"
 #include "spawn.h"
 
+typedef struct glint_tev_stream glint_tev_stream;
+
 struct glint_session {
     glint_client *client;
-    glint_daemon *daemon; // the private one, or NULL
+    glint_daemon *daemon;  // the private one, or NULL
+    glint_tev_stream *tev; // pictures of the job that is followed, or NULL
     struct glint_progress progress;
     bool json;      // stdout carries one JSON document
     bool usage;     // the fault is in the command line
