@@ -28,6 +28,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/base/notify.h \
 	daemon/base/process.c \
 	daemon/base/process.h \
+	daemon/base/process.c \
+	daemon/base/process.h \
 	daemon/base/queue.c \
 	daemon/base/queue.h \
 	daemon/base/sha256.c \

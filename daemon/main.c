@@ -98,8 +98,7 @@ static glint_status start_threads(struct glint_house *h, struct glint_error *err
     if (!st)
         st = glint_store_begin(h->store, err); // once the jobs have said what they need
     if (!st)
-        st = glint_mirror_create(&h->mirror, h->metrics, h->jobs, h->store,
-                                 glint_devices_workers(h->devices), err);
+        st = glint_mirror_create(&h->mirror, h->metrics, h->jobs, h->store, h->devices, err);
     const struct glint_http_params params = {.listen_fd = h->listen_fd,
                                              .jobs = h->jobs,
                                              .store = h->store,

@@ -202,6 +202,7 @@ SCRIPT_TESTS = \
 	tests/http/test_formats.py \
 	tests/http/test_hostile.py \
 	tests/http/test_jobs.py \
+	tests/http/test_metrics.py \
 	tests/http/test_requests.py \
 	tests/http/test_scenes.py \
 	tests/http/test_service.py \

@@ -154,6 +154,15 @@ static bool outdated(const struct glint_board *b, const struct entry *e)
     return b->tile[e->tile].sequence != e->sequence || !b->tile[e->tile].part;
 }
 
+// A reader is given another part; counts it and the versions that it will never see.
+static void count(const struct glint_board *b, uint64_t before, uint64_t now)
+{
+    const uint64_t versions = now / b->tiles - before / b->tiles;
+    atomic_fetch_add_explicit(&b->http->tiles_sent, 1, memory_order_relaxed);
+    if (before && versions > 1)
+        atomic_fetch_add_explicit(&b->http->tiles_skipped, versions - 1, memory_order_relaxed);
+}
+
 // A cursor that no board has given yet is from a time that this one does not know.
 static enum glint_board_answer read_next(struct glint_board *b, uint64_t *cursor,
                                          struct glint_blob **part)
@@ -167,6 +176,7 @@ static enum glint_board_answer read_next(struct glint_board *b, uint64_t *cursor
         return b->gone       ? GLINT_BOARD_GONE
                : b->complete ? GLINT_BOARD_COMPLETE
                              : GLINT_BOARD_NOTHING;
+    count(b, *cursor, b->log[i].sequence);
     *cursor = b->log[i].sequence;
     *part = glint_blob_retain(b->tile[b->log[i].tile].part);
     return GLINT_BOARD_PART;

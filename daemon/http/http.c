@@ -169,6 +169,9 @@ static void refresh_metrics(void *user)
         h->streams[GLINT_STREAM_EVENTS].count + h->streams[GLINT_STREAM_TILES].count;
     pthread_mutex_unlock(&h->lists);
     glint_metric_set(h->open_streams, streams);
+    glint_metric_set(h->sent, (double)atomic_load_explicit(&h->tiles_sent, memory_order_relaxed));
+    glint_metric_set(h->skipped,
+                     (double)atomic_load_explicit(&h->tiles_skipped, memory_order_relaxed));
     glint_metric_set(h->open_connections, glint_watch_clients(h->watch));
 }
 
@@ -179,6 +182,11 @@ static void start_metrics(glint_http *h)
         glint_metrics_counter(m, "http_received_bytes_total", "Bytes of request bodies.", NULL, 0);
     h->open_connections = glint_metrics_gauge(m, "http_connections", "Open connections.", NULL, 0);
     h->open_streams = glint_metrics_gauge(m, "http_streams", "Open streams.", NULL, 0);
+    h->sent =
+        glint_metrics_counter(m, "http_tiles_sent_total", "Tiles that were streamed.", NULL, 0);
+    h->skipped = glint_metrics_counter(
+        m, "http_tiles_skipped_total",
+        "Versions that a client of a stream did not get because a newer one had come.", NULL, 0);
     glint_metrics_on_read(m, refresh_metrics, h);
 }
 

@@ -55,7 +55,8 @@ struct glint_http {
     atomic_uint readers; // streams and parked requests; changed before a reader looks at its job
     // When the next round's news began, on the clock of events' ids; 0: there are none.
     _Atomic uint64_t cause_us;
-    double pinged_at; // the watcher's
+    double pinged_at;                           // the watcher's
+    _Atomic uint64_t tiles_sent, tiles_skipped; // relaxed: they are only shown
 
     pthread_mutex_t mutex; // guards these; nothing is called under it
     pthread_cond_t changed;
@@ -68,7 +69,7 @@ struct glint_http {
 
     glint_metrics *metrics;
     struct glint_record *record;
-    glint_metric *received, *open_connections, *open_streams;
+    glint_metric *received, *open_connections, *open_streams, *sent, *skipped;
 };
 
 // Every suspension enters this gate and leaves it once resumed, because the library must not be

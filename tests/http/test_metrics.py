@@ -1,0 +1,113 @@
+#!/usr/bin/python3
+"""GET /metrics: text that Prometheus takes, names by one rule, figures that are true."""
+import os
+import re
+import subprocess
+import time
+
+import tap
+from daemon import PATIENCE, ROOM, Daemon
+
+
+def families(text):
+    """{name: type}, and {name of a sample: {labels: value}}; checks the form on the way."""
+    types, samples, help_of = {}, {}, None
+    for line in text.splitlines():
+        if line.startswith("# HELP "):
+            help_of = line.split()[2]
+            assert help_of not in types, f"{help_of} comes twice"
+        elif line.startswith("# TYPE "):
+            _, _, name, kind = line.split()
+            assert name == help_of, f"{name} has no HELP"
+            types[name] = kind
+        else:
+            name, labels, value = re.fullmatch(r"([a-z_]+)(?:\{(.*)\})? (\S+)", line).groups()
+            family = re.sub(r"_(bucket|sum|count)$", "", name) if name not in types else name
+            assert family == help_of, f"{name} stands in the family {help_of}"
+            of_name = samples.setdefault(name, {})
+            assert (labels or "") not in of_name, f"{line} comes twice"
+            of_name[labels or ""] = float(value)
+    return types, samples
+
+
+def scrape(daemon):
+    answer = daemon.get("/metrics")
+    assert answer.headers["Content-Type"] == "text/plain; version=0.0.4; charset=utf-8"
+    return answer.body.decode()
+
+
+def render(daemon):
+    daemon.put("room", ROOM)
+    job = daemon.submit(scene="room", stop={"samples": 4})
+    with daemon.connect(f"/v1/jobs/{job}/tiles") as tiles:
+        parts = sum(1 for _ in tiles.parts())
+    daemon.frame(job)
+    return job, parts
+
+
+def test_promtool_finds_no_fault():
+    promtool = tap.tool("promtool")
+    with Daemon("--threads", "2") as daemon:
+        render(daemon)
+        daemon.get("/nowhere")
+        told = subprocess.run([promtool, "check", "metrics"], input=scrape(daemon),
+                              capture_output=True, text=True, timeout=PATIENCE)
+        assert told.returncode == 0 and told.stdout + told.stderr == "", told
+
+
+def test_names_and_units_follow_one_rule():
+    with Daemon("--threads", "1") as daemon:
+        job, _ = render(daemon)
+        text = scrape(daemon)
+        types, samples = families(text)
+        for name, kind in types.items():
+            assert name.startswith("glint_"), name
+            assert name.endswith("_total") == (kind == "counter"), (name, kind)
+            assert not re.search(r"_(ms|us|ns|kb|mb|percent|milliseconds)(_|$)", name), name
+        assert job not in text and "room" not in text, "a label grows with what clients send"
+        for name, of_name in samples.items():
+            assert all(value >= 0 for value in of_name.values()), name
+
+
+def test_requests_are_counted_by_route_and_class_of_status():
+    with Daemon("--threads", "1") as daemon:
+        render(daemon)
+        for _ in range(3):
+            daemon.get("/v1/jobs/nobody")
+        daemon.get("/what/is/this")
+        daemon.ask("BREW", "/v1", None)
+        _, samples = families(scrape(daemon))
+        requests = samples["glint_http_requests_total"]
+        assert requests['method="GET",route="/v1/jobs/{}",status="4xx"'] == 3
+        assert requests['method="PUT",route="/v1/scenes/{}",status="2xx"'] == 1
+        assert requests['method="",route="",status="4xx"'] == 2
+        # Its own scrape is counted once it is over, and streams take no part in the times.
+        assert samples["glint_http_request_seconds_count"][""] == sum(requests.values()) - 1
+
+
+def test_figures_are_those_of_the_process_and_its_work():
+    before = time.time()
+    with Daemon("--threads", "2") as daemon:
+        _, parts = render(daemon)
+        _, samples = families(scrape(daemon))
+
+        def one(name):
+            return samples[f"glint_{name}"][""]
+
+        files = len(os.listdir(f"/proc/{daemon.process.pid}/fd"))
+        assert abs(one("process_open_fds") - files) <= 2, (one("process_open_fds"), files)
+        with open(f"/proc/{daemon.process.pid}/statm", encoding="ascii") as file:
+            resident = int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+        assert 0.8 < one("process_resident_memory_bytes") / resident < 1.25
+        assert before - 2 < one("process_start_time_seconds") < time.time() + 2
+        assert 0 < one("process_cpu_seconds_total") < 100 * PATIENCE
+        assert one("process_threads") == len(os.listdir(f"/proc/{daemon.process.pid}/task"))
+        assert one("workers") == 2 and one("scenes") == 1 and one("jobs_submitted_total") == 1
+        assert samples["glint_jobs"]['state="done"'] == 1
+        assert one("http_tiles_sent_total") == parts
+        assert one("slices_total") >= 4 and one("worker_busy_seconds_total") > 0
+        assert any('version="' in labels for labels in samples["glint_build_info"])
+
+
+if __name__ == "__main__":
+    tap.main()
