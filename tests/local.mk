@@ -29,6 +29,7 @@ UNIT_TESTS = \
 	tests/render/test_motion \
 	tests/render/test_resident \
 	tests/render/test_transport \
+	tests/unit/test_ahead \
 	tests/unit/test_arena \
 	tests/unit/test_assets \
 	tests/unit/test_config \
@@ -195,6 +196,7 @@ SCRIPT_TESTS = \
 	tests/clients/cli_update.py \
 	tests/clients/cli_usage.py \
 	tests/clients/demo_scene.py \
+	tests/clients/viewer.py \
 	tests/clients/walkthrough.py \
 	tests/http/test_auth.py \
 	tests/http/test_contract.py \

@@ -124,17 +124,35 @@ static void name_folder(char *folder, const struct options *o, const char *platf
         at += sprintf(at, "%02x", sum[i]);
 }
 
+static void fill(struct options *o, const struct glint_source *table)
+{
+    add(o, "glintd", NULL, NULL);
+    set_vectoriser(o);
+    compile_once(o, table);
+}
+
+static void empty(struct options *o)
+{
+    while (o->count > 0)
+        free(o->text[--o->count]);
+}
+
+void glint_compiler_name(char folder[GLINT_COMPILER_FOLDER], const struct glint_source *table,
+                         const char *platform)
+{
+    struct options o = {0};
+    fill(&o, table);
+    name_folder(folder, &o, platform);
+    empty(&o);
+}
+
 void glint_compiler_set(char folder[GLINT_COMPILER_FOLDER], const struct glint_source *table,
                         const char *platform)
 {
     struct options o = {0};
-    add(&o, "glintd", NULL, NULL);
-    set_vectoriser(&o);
-    compile_once(&o, table);
+    fill(&o, table);
     if (!tell_llvm(&o))
-        while (o.count > 0)
-            free(o.text[--o.count]);
+        empty(&o);
     name_folder(folder, &o, platform);
-    while (o.count > 0)
-        free(o.text[--o.count]);
+    empty(&o);
 }

@@ -7,10 +7,13 @@
 #define GLINT_COMPILER_FOLDER 32
 
 // Tells the LLVM that PoCL has loaded how to compile the table's kernels; once in a process, before
-// the first is compiled. folder: a name for what it makes of them, another one for another platform
-// (name and version of PoCL and LLVM), processor or set of options, none of which PoCL's own cache
-// knows for certain.
+// the first is compiled. folder: a name for what it makes of them.
 void glint_compiler_set(char folder[GLINT_COMPILER_FOLDER], const struct glint_source *table,
                         const char *platform);
+
+// That name alone: another one for another platform (name and version of PoCL and LLVM), processor
+// or set of options, none of which PoCL's own cache knows for certain.
+void glint_compiler_name(char folder[GLINT_COMPILER_FOLDER], const struct glint_source *table,
+                         const char *platform);
 
 #endif
