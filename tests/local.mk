@@ -221,7 +221,7 @@ SCRIPT_TESTS = \
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
 dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/http/soak tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised
 dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
-	tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \
+	tests/clients/browser.py tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \
 	tests/http/contract_hooks.py tests/http/daemon.py tests/http/sandbox.py \
 	tests/http/soak_plot.py \
 	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/density.h tests/kernel/surface.h \

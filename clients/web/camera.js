@@ -55,7 +55,8 @@ export class Camera {
         this.up = unit(m.slice(4, 7));
         this.forward = unit(m.slice(8, 11)).map((v) => -v);
         this.distance = this.#guess();
-        this.first = structuredClone(this);
+        const { position, right, up, forward, distance } = this;
+        this.first = { camera, position, right, up, forward, distance };
         this.sent = 0;
     }
 
@@ -105,7 +106,7 @@ export class Camera {
     }
 
     reset() {
-        Object.assign(this, structuredClone({ ...this.first }));
+        Object.assign(this, this.first);
         this.send();
     }
 

@@ -14,16 +14,19 @@ function scale(values, from, to) {
     return { at, low: 10 ** a, high: 10 ** b };
 }
 
-// 1, 2, 5 of each decade, fewer where that is too many.
+// The coarsest steps of a decade that give four marks.
 function ticks({ low, high }) {
-    const all = [];
-    for (let e = Math.floor(Math.log10(low)); 10 ** e <= high; e++)
-        for (const m of [1, 2, 5]) if (m * 10 ** e >= low && m * 10 ** e <= high) all.push(m * 10 ** e);
-    const ones = all.filter((v) => /^1(\.0+)?e/.test(v.toExponential()));
-    return all.length > 7 && ones.length > 2 ? ones : all;
+    let all = [];
+    for (const steps of [[1], [1, 2, 5], [1, 1.5, 2, 3, 4, 5, 6, 8]]) {
+        all = [];
+        for (let e = Math.floor(Math.log10(low)); 10 ** e <= high; e++)
+            all.push(...steps.map((m) => m * 10 ** e).filter((v) => v >= low && v <= high));
+        if (all.length >= 4) break;
+    }
+    return all;
 }
 
-const tick = (v) => (v >= 1 ? short(v) : v.toPrecision(1));
+const tick = (v) => (v >= 10 ? short(v) : String(Number(v.toPrecision(2))));
 
 function axes(x, y) {
     return [
@@ -78,10 +81,10 @@ function draw(data) {
 }
 
 export async function showCurve(panel, job) {
-    if (!job) {
-        panel.replaceChildren(h("p.hint", {}, "No job is chosen."));
-        return;
-    }
+    if (panel.dataset.job !== (job?.id ?? ""))
+        panel.replaceChildren(h("p.hint", {}, job ? "…" : "No job is chosen."));
+    panel.dataset.job = job?.id ?? "";
+    if (!job) return;
     try {
         panel.replaceChildren(...draw(await getJson(jobPath(job.id, "/convergence"))));
     } catch (error) {

@@ -5,6 +5,8 @@ export function count(n) {
     return Math.round(n).toLocaleString("en").replaceAll(",", "\u202f");
 }
 
+export const plural = (n, what) => `${count(n)}\u00a0${what}${n === 1 ? "" : "s"}`;
+
 export function short(n) {
     if (!(Math.abs(n) >= 10000)) return count(n);
     const at = Math.min(Math.floor(Math.log10(Math.abs(n)) / 3), 4);

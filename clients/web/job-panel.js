@@ -10,7 +10,7 @@ const ROWS = [
     ["Scene", (j) => j.scene],
     ["Samples", (j) => (j.target_samples ? `${count(j.samples)} of ${count(j.target_samples)}` : count(j.samples))],
     ["Error", (j) => (j.error === null ? "–" : number(j.error))],
-    ["Time", (j) => seconds(j.seconds) + (j.eta_seconds && !ended(j.state) ? `, ${seconds(j.eta_seconds)} left` : "")],
+    ["Time", (j) => seconds(j.seconds) + (j.eta_seconds && !j.job?.live && !ended(j.state) ? `, ${seconds(j.eta_seconds)} left` : "")],
     ["Worker time", (j) => seconds(j.worker_seconds)],
     ["Rays", (j) => (j.rays ? short(j.rays.camera + j.rays.bounce + j.rays.shadow) : "–")],
     ["Resolution", (j) => (j.job?.resolution ? j.job.resolution.join(" × ") : "–")],
@@ -55,7 +55,6 @@ export class JobPanel {
             this.#setting("Priority", this.priority, "Set", () =>
                 this.#patch({ priority: Number(this.priority.value) }, `has priority ${this.priority.value}`)),
             this.warnings, this.#source());
-        this.#suggest();
     }
 
     #setting(name, input, verb, act) {
@@ -76,6 +75,7 @@ export class JobPanel {
 
     #update() {
         const { job } = this, over = ended(job.state);
+        if (!this.samples.value && (job.target_samples || over)) this.#suggest();
         put(this.title, jobTitle(job));
         for (const [name, value] of ROWS) {
             const [term, text] = this.values.get(name), shown = value(job);

@@ -11,6 +11,7 @@ export function jobFacts(job) {
     if (job.job?.live) parts.push("live");
     parts.push(job.target_samples ? `${count(job.samples)} of ${count(job.target_samples)} samples`
         : `${count(job.samples)} samples`);
+    if (job.state === "rendering" && job.job?.live) return parts.join(" · ");
     if (job.state === "rendering" && job.eta_seconds) parts.push(`${seconds(job.eta_seconds)} left`);
     else if (job.state === "rendering") parts.push(percent(job.progress));
     else if (job.seconds) parts.push(seconds(job.seconds));

@@ -77,6 +77,8 @@ class Viewer {
             const [{ scenes }, { jobs }] = await Promise.all([getJson("/v1/scenes"), getJson("/v1/jobs")]);
             this.scenes.show(scenes);
             this.jobs.show(jobs);
+            const shown = jobs.find((j) => j.id === this.session.job?.id);
+            if (shown) this.session.changed(shown);
             this.#welcome();
             this.#link("", false);
         } catch (error) {
@@ -166,7 +168,7 @@ class Viewer {
         this.jobs.update(job);
         this.panel.show(job);
         this.#welcome();
-        const rate = job.seconds ? `${number(job.samples / job.seconds)} samples/s` : "";
+        const rate = job.seconds && job.samples ? `${number(job.samples / job.seconds)} samples/s` : "";
         put(id("job-line"), [job.state, `${count(job.samples)} samples`, job.error ? `error ${number(job.error)}` : "",
             seconds(job.seconds), rate].filter(Boolean).join(" · "));
         id("job-progress").value = job.progress;
@@ -233,8 +235,8 @@ class Viewer {
     async #pick(x, y, several) {
         this.#read({ x, y });
         if (!this.mattes.job) return;
-        if (id("panel-mattes").hidden) this.tab(id("tab-mattes"));
         const primary = await this.mattes.pick(x, y, several);
+        if (id("panel-mattes").hidden) this.tab(id("tab-mattes"));
         this.under = primary && { x, y, text: Object.values(primary).map((l) => l[0]?.name).filter(Boolean).join(" / ") };
         this.#read({ x, y });
     }

@@ -16,10 +16,11 @@ const AGAIN = 1500; // milliseconds between looks at a job that renders
 
 export class Mattes {
     constructor(picture, redraw) {
-        Object.assign(this, { picture, redraw, job: null, names: [], chosen: new Set(), serial: 0 });
+        Object.assign(this, { picture, redraw, job: null, names: [], chosen: new Set(), serial: 0, asked: 0 });
         this.rows = new Rows(id("matte-names"), (n) => n.name, (n) => this.#row(n));
         id("matte-layer").addEventListener("change", () => this.#layerChanged());
         id("matte-find").addEventListener("input", () => this.#showNames());
+        id("matte-clear").addEventListener("click", () => this.clear());
         for (const name of ["matte-show", "recolour", "recolour-colour"])
             id(name).addEventListener("input", () => this.#looks());
     }
@@ -46,6 +47,7 @@ export class Mattes {
         this.chosen.clear();
         this.old = null;
         this.serial++;
+        this.asked++;
         this.rows.show([]);
         this.#applyMask(null);
     }
@@ -61,11 +63,11 @@ export class Mattes {
     }
 
     async #loadNames() {
-        const { job, layer, serial } = this;
+        const { job, layer } = this, asked = ++this.asked;
         if (!job || id("panel-mattes").hidden) return;
         try {
             const { layers } = await getJson(jobPath(job.id, `/mattes?layer=${layer}`));
-            if (serial !== this.serial) return;
+            if (asked !== this.asked) return;
             this.names = layers[layer].names.sort((a, b) => b.coverage - a.coverage || (a.name < b.name ? -1 : 1));
             this.lost = layers[layer].lost;
             this.#showNames();
@@ -136,6 +138,7 @@ export class Mattes {
     // What is under a pixel, by every layer of the job; chooses it in the layer that is shown.
     async pick(x, y, several) {
         if (!this.job) return null;
+        put(id("matte-selection"), `Looking at pixel ${x}, ${y} …`);
         try {
             const { primary } = await getJson(jobPath(this.job.id, `/pick?x=${x}&y=${y}`));
             const found = primary[this.layer]?.[0];
@@ -146,6 +149,7 @@ export class Mattes {
             say(words.length ? `Pixel ${x}, ${y}: ${words.join(", ")}` : `Pixel ${x}, ${y}: nothing`);
             return primary;
         } catch (error) {
+            this.#tell();
             showProblem("Nothing was picked", error);
             return null;
         }

@@ -15,9 +15,7 @@ export class Picture {
 
     #open(canvas) {
         this.canvas = canvas;
-        const flat = new URLSearchParams(location.search).has("flat");
         try {
-            if (flat) throw new Error("asked for");
             this.display = new GlDisplay(canvas, () => this.#reopen());
         } catch {
             this.display = new FlatDisplay(canvas);

@@ -41,10 +41,10 @@ function draw(plan) {
 }
 
 export async function showPlan(panel, job) {
-    if (!job) {
-        panel.replaceChildren(h("p.hint", {}, "No job is chosen."));
-        return;
-    }
+    if (panel.dataset.job !== (job?.id ?? ""))
+        panel.replaceChildren(h("p.hint", {}, job ? "…" : "No job is chosen."));
+    panel.dataset.job = job?.id ?? "";
+    if (!job) return;
     try {
         const plan = await getJson(jobPath(job.id, "/plan"));
         const open = panel.querySelector("details")?.open, top = panel.parentElement.scrollTop;

@@ -1,21 +1,20 @@
 // The list of scenes.
 import { request, scenePath } from "./api.js";
 import { ask, h, id, put, Rows, say } from "./dom.js";
-import { bytes, count, short } from "./format.js";
+import { bytes, plural, short } from "./format.js";
 import { showProblem } from "./problems.js";
 
 function facts(scene) {
     const parts = [`${short(scene.triangles)} triangles`];
-    if (scene.objects) parts.push(`${count(scene.objects)} object${scene.objects === 1 ? "" : "s"}`);
+    if (scene.objects) parts.push(plural(scene.objects, "object"));
     parts.push(bytes(scene.resident_bytes));
     return parts.join(" · ");
 }
 
 function more(scene) {
-    return [`${count(scene.instances)} instances · ${count(scene.materials)} materials`,
-        `${count(scene.lights)} lights · ${count(scene.cameras.length)} cameras`,
-        scene.animations?.length ? `${scene.animations.length} animations` : null,
-    ].filter(Boolean).join(" · ");
+    const many = { instance: scene.instances, material: scene.materials, light: scene.lights,
+        camera: scene.cameras.length, animation: scene.animations?.length };
+    return Object.entries(many).filter(([, n]) => n).map(([what, n]) => plural(n, what)).join(", ");
 }
 
 export class Scenes {
@@ -62,7 +61,7 @@ export class Scenes {
             put(lines[1], more(scene));
             lines[1].hidden = actions.hidden = !chosen;
             warnings.hidden = !scene.warnings.length;
-            put(summary, `${scene.warnings.length} warning${scene.warnings.length === 1 ? "" : "s"}`);
+            put(summary, plural(scene.warnings.length, "warning"));
             if (list.children.length !== scene.warnings.length)
                 list.replaceChildren(...scene.warnings.map((text) => h("li", {}, text)));
         };

@@ -27,9 +27,12 @@ export class Viewport {
     }
 
     resize() {
-        const { clientWidth: width, clientHeight: height } = this.element;
-        this.width = Math.max(1, Math.round(width * this.ratio));
-        this.height = Math.max(1, Math.round(height * this.ratio));
+        const { clientWidth, clientHeight } = this.element;
+        const width = Math.max(1, Math.round(clientWidth * this.ratio));
+        const height = Math.max(1, Math.round(clientHeight * this.ratio));
+        this.x += Math.round((width - (this.width ?? width)) / 2); // the middle stays in the middle
+        this.y += Math.round((height - (this.height ?? height)) / 2);
+        Object.assign(this, { width, height });
         this.place();
     }
 
@@ -63,9 +66,9 @@ export class Viewport {
             Object.assign(canvas, { width: this.width, height: this.height });
         picture.draw({ x: this.x, y: this.y, width: picture.width * scale, height: picture.height * scale,
             smooth: scale < 1 }, BACKDROP);
+        this.element.dataset.place = `${this.x} ${this.y} ${scale}`;
         this.#placeCross();
         this.drawn++;
-        this.on.drawn?.();
     }
 
     #placeCross() {
@@ -156,7 +159,7 @@ export class Viewport {
         this.drag = null;
         if (!drag || drag.moved > CLICK || event.type === "pointercancel" || drag.button || !pixel) return;
         this.cursor = pixel;
-        this.on.pick(pixel.x, pixel.y);
+        this.on.pick(pixel.x, pixel.y, event.shiftKey);
         this.redraw();
     }
 
