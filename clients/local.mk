@@ -10,6 +10,7 @@ libglintcli_a_SOURCES = \
 	clients/cli/cmd_get.c \
 	clients/cli/cmd_jobs.c \
 	clients/cli/cmd_mattes.c \
+	clients/cli/cmd_merge.c \
 	clients/cli/cmd_pick.c \
 	clients/cli/cmd_plan.c \
 	clients/cli/cmd_recolor.c \

@@ -73,6 +73,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/dispatch.h \
 	daemon/http/events.c \
 	daemon/http/events.h \
+	daemon/http/film.c \
 	daemon/http/frame.c \
 	daemon/http/frames.c \
 	daemon/http/frames.h \

@@ -51,17 +51,11 @@ GK_INLINE gk_f32 gk_two_sum(gk_f32 a, gk_f32 b, gk_f32 *lost)
     return sum;
 }
 
-// sum += x, at word i of a three-plane sum.
-GK_INLINE void gk_film_add(GK_GLOBAL gk_f32 *sum, gk_u32 i, gk_f32 x)
+// sum += x, at word i of a three-plane sum of floats: x as it is.
+GK_INLINE void gk_sum_add(GK_GLOBAL gk_f32 *sum, gk_u32 i, gk_f32 x)
 {
-    const gk_f32 clamped = gk_clamp(x, -GK_SUM_LARGEST, GK_SUM_LARGEST);
-    const gk_f32 addend = gk_abs(x) < GK_SUM_LEAST ? 0.0f : clamped;
-#ifdef GK_FILM_FP64
-    GK_GLOBAL double *wide = (GK_GLOBAL double *)sum;
-    wide[i] += (double)addend;
-#else
     gk_f32 b, c, rest;
-    gk_f32 a = gk_two_sum(sum[i], addend, &b);
+    gk_f32 a = gk_two_sum(sum[i], x, &b);
     b = gk_two_sum(sum[i + GK_TILE_PIXELS], b, &c);
     c = gk_two_sum(sum[i + 2 * GK_TILE_PIXELS], c, &rest);
     c = gk_two_sum(c, rest, &rest);
@@ -78,6 +72,18 @@ GK_INLINE void gk_film_add(GK_GLOBAL gk_f32 *sum, gk_u32 i, gk_f32 x)
     sum[i] = a;
     sum[i + GK_TILE_PIXELS] = b;
     sum[i + 2 * GK_TILE_PIXELS] = c + rest;
+}
+
+// The radiance x of a sample goes into a three-plane sum.
+GK_INLINE void gk_film_add(GK_GLOBAL gk_f32 *sum, gk_u32 i, gk_f32 x)
+{
+    const gk_f32 clamped = gk_clamp(x, -GK_SUM_LARGEST, GK_SUM_LARGEST);
+    const gk_f32 addend = gk_abs(x) < GK_SUM_LEAST ? 0.0f : clamped;
+#ifdef GK_FILM_FP64
+    GK_GLOBAL double *wide = (GK_GLOBAL double *)sum;
+    wide[i] += (double)addend;
+#else
+    gk_sum_add(sum, i, addend);
 #endif
 }
 

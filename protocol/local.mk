@@ -19,11 +19,15 @@ libglint_a_SOURCES = \
 	protocol/fields.h \
 	protocol/film.c \
 	protocol/film.h \
+	protocol/film_add.c \
+	protocol/film_add.h \
 	protocol/film_file.h \
 	protocol/film_frame.c \
 	protocol/film_header.c \
 	protocol/film_header.h \
 	protocol/film_matte.c \
+	protocol/film_merge.c \
+	protocol/film_merge.h \
 	protocol/film_pack.c \
 	protocol/film_pack.h \
 	protocol/film_parts.h \

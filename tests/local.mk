@@ -21,6 +21,7 @@ UNIT_TESTS = \
 	tests/render/test_camera \
 	tests/render/test_effects \
 	tests/render/test_features \
+	tests/render/test_film_merge \
 	tests/render/test_film_restore \
 	tests/render/test_flow \
 	tests/render/test_many_lights \
@@ -117,6 +118,7 @@ tests_render_test_effects_SOURCES = tests/render/test_effects.c $(stable)
 moving = tests/render/moving.c tests/render/moving.h $(stable)
 filmed = tests/render/filmed.c tests/render/filmed.h $(stable)
 tests_render_test_film_restore_SOURCES = tests/render/test_film_restore.c $(filmed)
+tests_render_test_film_merge_SOURCES = tests/render/test_film_merge.c $(filmed)
 tests_render_test_flow_SOURCES = tests/render/test_flow.c $(moving)
 tests_render_test_motion_SOURCES = tests/render/test_motion.c $(moving)
 tests_render_test_features_SOURCES = tests/render/test_features.c $(stable)

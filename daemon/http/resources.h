@@ -22,6 +22,9 @@ void glint_http_jobs_get(struct glint_request *r);
 void glint_http_jobs_patch(struct glint_request *r);
 void glint_http_jobs_delete(struct glint_request *r);
 
+// film.c
+void glint_http_film(struct glint_request *r);
+
 // frame.c
 void glint_http_frame_exr(struct glint_request *r);
 void glint_http_frame_png(struct glint_request *r);

@@ -51,6 +51,8 @@ const struct glint_route glint_route_table[] = {
      "layout outputs wait ", "the frame as it stands"},
     {"GET", JOB "/frame.png", glint_http_frame_png, GLINT_LANE_FRAME, GLINT_BODY_NONE,
      "exposure output tonemap wait ", "one output for the eye"},
+    {"GET", JOB "/film", glint_http_film, GLINT_LANE_FRAME, GLINT_BODY_NONE, "wait ",
+     "its sums, counts and coverage, for glint merge"},
     {"GET", JOB "/tiles", glint_http_tiles_stream, GLINT_LANE_NOW, GLINT_BODY_NONE, "since ",
      "stream of tiles as they change"},
     {"GET", JOB "/events", glint_http_events_stream, GLINT_LANE_NOW, GLINT_BODY_NONE, "",

@@ -1,0 +1,66 @@
+#include "protocol/film_add.h"
+
+#include "kernels/gk_film.h"
+#include "kernels/gk_matte.h"
+
+static void add_exact(float *to, uint32_t i, const float *from, uint32_t j)
+{
+    for (int k = 0; k < GK_SUM_PLANES; k++)
+        gk_sum_add(to, i, from[j + (uint32_t)k * GK_TILE_PIXELS]);
+}
+
+static void add_wide(float *to, uint32_t i, const float *from, uint32_t j)
+{
+    ((double *)(void *)to)[i] += ((const double *)(const void *)from)[j];
+}
+
+static void add_integer(uint32_t *to, uint32_t i, const uint32_t *from, uint32_t j)
+{
+    const uint64_t sum = ((uint64_t)to[i + GK_TILE_PIXELS] << 32 | to[i]) +
+                         ((uint64_t)from[j + GK_TILE_PIXELS] << 32 | from[j]);
+    to[i] = (uint32_t)sum;
+    to[i + GK_TILE_PIXELS] = (uint32_t)(sum >> 32);
+}
+
+static void add_integers(float *to, uint32_t i, const float *from, uint32_t j, int first, int sums)
+{
+    for (int s = 0; s < sums; s++) {
+        const int plane = (GK_PLANES_BASE + first + 2 * s) * GK_TILE_PIXELS;
+        add_integer((uint32_t *)to + plane, i, (const uint32_t *)from + plane, j);
+    }
+}
+
+void glint_film_add_planes(const struct glint_film_info *info, float *to, uint32_t i,
+                           const float *from, uint32_t j)
+{
+    for (int s = 0; s < 6; s++) {
+        const int plane = (GK_PLANE_COLOUR + s * GK_SUM_PLANES) * GK_TILE_PIXELS;
+        (glint_film_info_wide(info) ? add_wide : add_exact)(to + plane, i, from + plane, j);
+    }
+    uint32_t *count = (uint32_t *)to;
+    const uint32_t *more = (const uint32_t *)from;
+    for (int p = GK_PLANE_HITS; p <= GK_PLANE_REJECTED; p++)
+        count[p * GK_TILE_PIXELS + (int)i] += more[p * GK_TILE_PIXELS + (int)j];
+    if (!info->aovs)
+        return;
+    float *depth = to + (GK_PLANES_BASE + GK_AOV_DEPTH) * GK_TILE_PIXELS + i;
+    *depth = gk_min(*depth, from[(GK_PLANES_BASE + GK_AOV_DEPTH) * GK_TILE_PIXELS + j]);
+    add_integers(to, i, from, j, GK_AOV_NORMAL, 6);
+    if (info->flow)
+        add_integers(to, i, from, j, GK_AOV_FLOW, 4);
+}
+
+uint64_t glint_film_add_table(const struct glint_film_info *info, uint64_t *to,
+                              const uint64_t *from)
+{
+    const uint32_t slots = info->job->matte_slots;
+    const uint32_t policy =
+        info->job->dial[GLINT_DIAL_EVICTION] == 0 ? GK_MATTE_DROP : GK_MATTE_DIRECT_FIRST;
+    uint64_t lost = from[slots];
+    for (uint32_t s = 0; s < slots; s++)
+        if (gk_matte_key(from[s]))
+            lost += gk_matte_deposit(to, slots, gk_matte_key(from[s]), gk_matte_direct(from[s]),
+                                     gk_matte_amount(from[s]), policy);
+    to[slots] += lost;
+    return lost;
+}

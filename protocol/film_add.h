@@ -1,0 +1,16 @@
+// film_add.h - one pixel of a film upon another. Not for others than merging.
+#ifndef GLINT_PROTOCOL_FILM_ADD_H
+#define GLINT_PROTOCOL_FILM_ADD_H
+
+#include "film.h"
+
+// The pixel `from` of one tile upon the pixel `to` of another: sums, counts, the lesser depth.
+// wide: sums are doubles.
+void glint_film_add_planes(const struct glint_film_info *info, float *to_planes, uint32_t to,
+                           const float *from_planes, uint32_t from);
+
+// Slots of one table into another; returns the units that found no slot, which are counted in it.
+uint64_t glint_film_add_table(const struct glint_film_info *info, uint64_t *to,
+                              const uint64_t *from);
+
+#endif
