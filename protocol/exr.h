@@ -13,6 +13,7 @@ struct glint_exr_options {
     enum glint_exr_compression compression;
     enum glint_exr_layout layout; // MULTIPART: part 0 is R,G,B,A and repeats the cryptomatte keys
     int zip_level;                // 1..9, 0 for the default, 4
+    bool foreign;                 // a frame that was read: its Cryptomatte types stay what they are
 };
 
 // Writes a complete scanline file, channels sorted bytewise, colour clamped to the half range

@@ -262,12 +262,12 @@ static exr_result_t encode(struct writer *w, const exr_context_initializer_t *in
     return r ? r : finish;
 }
 
-static glint_status check(const struct glint_frame *frame, struct glint_error *err)
+static glint_status check(const struct glint_frame *frame, bool foreign, struct glint_error *err)
 {
     if (!frame->channels)
         return glint_fail(err, GLINT_E_RANGE, "", "a frame without channels is no image");
-    glint_status st = glint_cryptomatte_check(frame, err);
-    for (uint32_t i = 0; i < frame->channels; i++) {
+    glint_status st = foreign ? GLINT_OK : glint_cryptomatte_check(frame, err);
+    for (uint32_t i = 0; i < frame->channels && !foreign; i++) {
         const struct glint_channel *c = &frame->channel[i];
         if (c->type != GLINT_PIXEL_FLOAT && glint_cryptomatte_type_of(frame, c->name))
             st = glint_fail(err, GLINT_E_RANGE, "", "the Cryptomatte channel '%s' is not float",
@@ -284,7 +284,7 @@ glint_status glint_exr_write(const struct glint_frame *frame,
     *bytes = NULL;
     *size = 0;
     struct writer w = {.frame = frame, .options = options};
-    glint_status st = check(frame, err);
+    glint_status st = check(frame, options->foreign, err);
     if (st)
         return st;
     st = plan_parts(&w);

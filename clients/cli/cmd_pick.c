@@ -108,8 +108,8 @@ const struct glint_command glint_command_pick = {
     .name = "pick",
     .operands = "JOB X Y",
     .summary = "Name what is under a pixel of a frame",
-    .detail = "X counts from the left, Y from the top, from 0 on, in the whole frame also where\n"
-              "only a region of it is rendered. Coverages are shares of the pixel.",
+    .detail = "X counts from the left, Y from the top, from 0 on, in the whole frame also\n"
+              "where only a region of it is rendered. Coverages are shares of the pixel.",
     .options = options,
     .least = 3,
     .most = 3,

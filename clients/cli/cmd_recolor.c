@@ -40,10 +40,10 @@ struct outcome {
 static glint_status read_wish(struct wish *w, struct glint_session *s,
                               const struct glint_arguments *a, struct glint_error *err)
 {
-    const char *colour = glint_options_text(a, "color"), *layer = glint_options_text(a, "layer"),
+    const char *colour = glint_options_text(a, "color"),
                *exposure = glint_options_text(a, "exposure");
     *w = (struct wish){.source = a->text[0],
-                       .layer = layer ? layer : "object",
+                       .layer = glint_options_text(a, "layer"),
                        .image = glint_options_text(a, "image"),
                        .output = glint_options_text(a, "output")};
     w->names = glint_options_all(a, "name", w->name, MAX_NAMES);
@@ -170,7 +170,7 @@ static glint_status encode(const struct wish *w, const struct glint_frame *frame
                            size_t *size, struct glint_error *err)
 {
     if (strcmp(glint_download_kind(w->output), "exr") == 0) {
-        const struct glint_exr_options options = {.compression = GLINT_EXR_ZIP};
+        const struct glint_exr_options options = {.compression = GLINT_EXR_ZIP, .foreign = true};
         return glint_exr_write(frame, &options, bytes, size, NULL, err);
     }
     float *plane[3];
@@ -259,7 +259,9 @@ static glint_status run_recolor(struct glint_session *s, const struct glint_argu
 static const struct glint_option options[] = {
     {"name", 'n', "NAME", "what gets the colour; repeated, all of these"},
     {"color", 'c', "COLOR", "#rrggbb as on the screen, or r,g,b in scene-linear numbers"},
-    {"layer", 'l', "LAYER", "object (the default), material, asset, or a layer's full name"},
+    {"layer", 'l', "LAYER",
+     "object (the default), material, asset, or a layer's full name; the only one need not be "
+     "named"},
     {"image", 0, "PREFIX", "recolour the channels PREFIX.R, G, B instead of R, G, B"},
     {"exposure", 0, "STOPS", "of a PNG (0)"},
     {"output", 'o', "FILE", "where to, .exr or .png"},

@@ -96,28 +96,38 @@ static void list_types(const struct glint_frame *frame, char text[400])
                                      frame->attribute[i].text);
 }
 
+// The types that `layer` may mean, and one of them; all types for NULL.
+static unsigned count_types(const struct glint_frame *frame, const char *layer, const char **type)
+{
+    unsigned count = 0;
+    for (uint32_t i = 0; i < frame->attributes; i++) {
+        const struct glint_attribute *a = &frame->attribute[i];
+        if (!key_of(a) || (layer && !ends_with(a->text, layer)))
+            continue;
+        *type = a->text;
+        if (layer && strcmp(a->text, layer) == 0)
+            return 1;
+        count++;
+    }
+    return count;
+}
+
 glint_status glint_image_file_type(const struct glint_image_file *file, const char *layer,
                                    const char **type, struct glint_error *err)
 {
-    const char *ending = NULL;
-    unsigned endings = 0;
     char there[400];
-    for (uint32_t i = 0; i < file->frame->attributes; i++) {
-        const struct glint_attribute *a = &file->frame->attribute[i];
-        if (key_of(a) && strcmp(a->text, layer) == 0)
-            return *type = a->text, GLINT_OK;
-        if (key_of(a) && ends_with(a->text, layer))
-            ending = a->text, endings++;
-    }
-    if (endings == 1)
-        return *type = ending, GLINT_OK;
+    if (!layer && count_types(file->frame, NULL, type) == 1)
+        return GLINT_OK;
+    layer = layer ? layer : "object";
+    const unsigned count = count_types(file->frame, layer, type);
+    if (count == 1)
+        return GLINT_OK;
     list_types(file->frame, there);
     if (!*there)
         return glint_fail(err, GLINT_E_NOT_FOUND, "", "the picture has no Cryptomatte layers");
     return glint_fail(err, GLINT_E_NOT_FOUND, "",
-                      "%s Cryptomatte layer of the picture is '%s'; "
-                      "there are: %s",
-                      endings ? "more than one" : "no", layer, there);
+                      "%s Cryptomatte layer of the picture is '%s'; there are: %s",
+                      count ? "more than one" : "no", layer, there);
 }
 
 // The manifest of the type; *out stays NULL where the file has none.
@@ -150,6 +160,22 @@ static bool read_id(const cJSON *value, uint32_t *id)
            sscanf(hex, "%" SCNx32, id) == 1;
 }
 
+// The first names of a manifest, as many as a line holds.
+static void list_names(const cJSON *manifest, char text[400])
+{
+    size_t used = 0;
+    const cJSON *entry;
+    *text = '\0';
+    cJSON_ArrayForEach(entry, manifest) {
+        if (used > 200) {
+            snprintf(text + used, 400 - used, ", ...");
+            return;
+        }
+        used +=
+            (size_t)snprintf(text + used, 400 - used, "%s%.60s", used ? ", " : "", entry->string);
+    }
+}
+
 static glint_status find_ids(const cJSON *manifest, const char *type, const char *const *names,
                              size_t count, uint32_t *ids, struct glint_error *err)
 {
@@ -157,9 +183,13 @@ static glint_status find_ids(const cJSON *manifest, const char *type, const char
     for (size_t i = 0; i < count; i++) {
         ids[i] = glint_cryptomatte_id(names[i]);
         if (manifest && !read_id(cJSON_GetObjectItemCaseSensitive(manifest, names[i]), &ids[i]))
-            status = glint_fail(err, GLINT_E_NOT_FOUND, "", "'%s' has nothing called '%s'", type,
+            status = glint_fail(err, GLINT_E_NOT_FOUND, "", "%s has nothing called '%s'", type,
                                 names[i]);
     }
+    char there[400];
+    list_names(manifest, there);
+    if (status)
+        glint_fail(err, status, "", "there are: %s", there);
     return status;
 }
 

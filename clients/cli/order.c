@@ -49,6 +49,11 @@ static cJSON *to_region(const char *text)
     return to_numbers(text, ',', 4);
 }
 
+static cJSON *to_range(const char *text)
+{
+    return to_numbers(text, ',', 2);
+}
+
 // A,B of any numbers.
 static cJSON *to_pair(const char *text)
 {
@@ -90,6 +95,7 @@ static const struct {
     {"error", "stop", "error", to_number, "a number"},
     {"resolution", NULL, "resolution", to_size, "WIDTHxHEIGHT"},
     {"region", NULL, "region", to_region, "X,Y,WIDTH,HEIGHT"},
+    {"sample-range", NULL, "sample_range", to_range, "FIRST,END"},
     {"camera", NULL, "camera", to_text, "a name"},
     {"outputs", NULL, "outputs", to_list, "names with commas between them"},
     {"max-bounces", NULL, "max_bounces", to_count, "a whole number"},
@@ -115,6 +121,7 @@ const struct glint_option glint_order_options[] = {
     {"error", 'e', "E", "stop at an estimated error of E"},
     {"resolution", 'r', "WxH", "size of the frame"},
     {"region", 0, "X,Y,W,H", "render only this part of it"},
+    {"sample-range", 0, "A,B", "render only the samples from A on, without B; see glint merge"},
     {"camera", 'c', "NAME", "look through this camera"},
     {"outputs", 0, "A,B", "what to render: beauty, crypto_object, ..."},
     {"max-bounces", 0, "N", "longest paths"},

@@ -24,8 +24,8 @@ struct glint_order {
 #define GLINT_ORDER_DETACHED 5
 extern const struct glint_option glint_order_options[];
 
-// Reads the command line and the file of --job; `detached` is set by the caller. What is wrong is a usage fault, each named;
-// outputs that cannot be written are GLINT_E_IO.
+// Reads the command line and the file of --job; `detached` is set by the caller. What is wrong is
+// a usage fault, each named; outputs that cannot be written are GLINT_E_IO.
 glint_status glint_order_read(struct glint_order *out, struct glint_session *s,
                               const struct glint_arguments *a, struct glint_error *err);
 

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define REACH 2      // pixels around an edge pixel that tell of it
-#define DARKEST 0.01 // no gain over a hundred: darker surfaces show reflections, not a colour
-#define WHOLE 0.9999 // coverage from which on a pixel is the matte's alone
+#define REACH 2       // pixels around an edge pixel that tell of it
+#define DARKEST 0.01  // no gain over a hundred: darker surfaces show reflections, not a colour
+#define WHOLE 0.9999f // coverage from which on a pixel is the matte's alone
 
 // T F = own F + lead F_j
 struct transform {
@@ -19,28 +19,44 @@ static bool usable(float coverage)
     return coverage > 0; // false for NAN
 }
 
-// Weight of a pixel in a mean over the matte: edges, which hold the background too, hardly count.
+static bool finite_at(float *const plane[3], size_t i)
+{
+    return isfinite(plane[0][i]) && isfinite(plane[1][i]) && isfinite(plane[2][i]);
+}
+
+// Weight of a pixel among its neighbours: edges, which hold the background too, hardly count.
 static double weight(float coverage)
 {
     const double a = fmin(coverage, 1), a2 = a * a, a4 = a2 * a2;
     return a4 * a4;
 }
 
-static struct glint_rgb mean(const struct glint_recolour *r, float *const plane[3])
+// Mean over the pixels that are covered by `least`; false: there are none.
+static bool mean_of(const struct glint_recolour *r, float *const plane[3], float least,
+                    struct glint_rgb *out)
 {
-    struct glint_rgb sum = {{0}};
     double total = 0;
+    *out = (struct glint_rgb){{0}};
     for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
-        const double w = usable(r->matte[i]) ? weight(r->matte[i]) : 0;
-        if (w <= 0 || !isfinite(plane[0][i] + plane[1][i] + plane[2][i]))
+        if (!usable(r->matte[i]) || r->matte[i] < least || !finite_at(plane, i))
             continue;
+        const double w = weight(r->matte[i]);
         for (int k = 0; k < 3; k++)
-            sum.c[k] += w * fmax(plane[k][i], 0);
+            out->c[k] += w * fmax(plane[k][i], 0);
         total += w;
     }
-    for (int k = 0; k < 3; k++)
-        sum.c[k] = total > 0 ? sum.c[k] / total : 0;
-    return sum;
+    for (int k = 0; k < 3 && total > 0; k++)
+        out->c[k] /= total;
+    return total > 0;
+}
+
+// Of the pixels that are the matte's alone, where it has any.
+static struct glint_rgb mean(const struct glint_recolour *r, float *const plane[3])
+{
+    struct glint_rgb m;
+    if (!mean_of(r, plane, WHOLE, &m))
+        mean_of(r, plane, 0, &m);
+    return m;
 }
 
 static int leading(struct glint_rgb colour)
@@ -87,7 +103,7 @@ static void estimate(const struct glint_recolour *r, float *const plane[3], size
     for (size_t v = top; v <= y + REACH && v < r->height; v++)
         for (size_t u = left; u <= x + REACH && u < r->width; u++) {
             const size_t i = v * r->width + u;
-            if (!usable(r->matte[i]) || !isfinite(plane[0][i] + plane[1][i] + plane[2][i]))
+            if (!usable(r->matte[i]) || !finite_at(plane, i))
                 continue;
             const double dx = (double)u - (double)x, dy = (double)v - (double)y;
             const double w = weight(r->matte[i]) / (1 + dx * dx + dy * dy);

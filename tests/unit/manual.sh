@@ -19,7 +19,8 @@ documents() {
 }
 
 documents glintd.8 "$GLINTD"
-for command in render put scenes update jobs watch get cancel mattes matte plan; do
+for command in render submit put scenes update jobs watch top get cancel mattes matte pick recolor \
+    plan; do
     documents glint.1 "$GLINT" $command
 done
 
