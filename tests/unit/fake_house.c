@@ -373,6 +373,12 @@ glint_status glint_render_matte(glint_render *render, enum glint_matte_layer lay
     return st;
 }
 
+glint_status glint_render_film(glint_render *render, int fd, struct glint_error *err)
+{
+    (void)render, (void)fd;
+    return glint_fail(err, GLINT_E_IO, "", "a fake render has no film");
+}
+
 cJSON *glint_render_plan(const glint_render *render)
 {
     (void)render;
