@@ -63,10 +63,10 @@ static void count(struct glint_request *r)
     const int class = r->status / 100;
     assert(row <= GLINT_MAX_ROUTES && class < CLASSES);
     _Atomic(glint_metric *) *series = &record->requests[row][class];
-    glint_metric *metric = atomic_load_explicit(series, memory_order_relaxed);
+    glint_metric *metric = atomic_load_explicit(series, memory_order_acquire);
     if (!metric) {
         metric = name_series(record, r->route, class);
-        atomic_store_explicit(series, metric, memory_order_relaxed);
+        atomic_store_explicit(series, metric, memory_order_release);
     }
     glint_metric_add(metric, 1);
     glint_metric_add(record->sent, (double)r->sent);
