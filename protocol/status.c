@@ -15,6 +15,8 @@ static const struct {
     [GLINT_OK] = {200, 0, "OK", "about:blank"},
     [GLINT_E_SYNTAX] = {400, 65, "Malformed request", "/problems/malformed"},
     [GLINT_E_RANGE] = {422, 65, "Unprocessable content", "/problems/unprocessable"},
+    [GLINT_E_UNAUTHORIZED] = {401, 77, "Unauthorized", "/problems/unauthorized"},
+    [GLINT_E_FORBIDDEN] = {403, 77, "Forbidden", "/problems/forbidden"},
     [GLINT_E_NOT_FOUND] = {404, 66, "Not found", "/problems/not-found"},
     [GLINT_E_METHOD] = {405, 70, "Method not allowed", "/problems/method-not-allowed"},
     [GLINT_E_CONFLICT] = {409, 75, "Conflict", "/problems/conflict"},

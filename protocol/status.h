@@ -12,22 +12,24 @@
 
 typedef enum {
     GLINT_OK = 0,
-    GLINT_E_SYNTAX,      // not JSON, not GLB, not HTTP: 400
-    GLINT_E_RANGE,       // understood, but a rule is broken: 422
-    GLINT_E_NOT_FOUND,   // 404
-    GLINT_E_METHOD,      // 405
-    GLINT_E_CONFLICT,    // 409
-    GLINT_E_STALE,       // If-Match does not hold: 412
-    GLINT_E_TOO_LARGE,   // 413
-    GLINT_E_MEDIA_TYPE,  // 415
-    GLINT_E_BUSY,        // try again later: 503
-    GLINT_E_CAPACITY,    // the machine cannot hold it just now: 507
-    GLINT_E_NOMEM,       // allocation failed: 507
-    GLINT_E_IO,          // 500
-    GLINT_E_DEVICE,      // OpenCL or Embree refused: 500
-    GLINT_E_UNAVAILABLE, // no daemon answers (clients only): 503
-    GLINT_E_VERSION,     // a file of a format that came later: 500
-    GLINT_E_INTERNAL,    // 500
+    GLINT_E_SYNTAX,       // not JSON, not GLB, not HTTP: 400
+    GLINT_E_RANGE,        // understood, but a rule is broken: 422
+    GLINT_E_UNAUTHORIZED, // who asks is not known: 401
+    GLINT_E_FORBIDDEN,    // he may not: 403
+    GLINT_E_NOT_FOUND,    // 404
+    GLINT_E_METHOD,       // 405
+    GLINT_E_CONFLICT,     // 409
+    GLINT_E_STALE,        // If-Match does not hold: 412
+    GLINT_E_TOO_LARGE,    // 413
+    GLINT_E_MEDIA_TYPE,   // 415
+    GLINT_E_BUSY,         // try again later: 503
+    GLINT_E_CAPACITY,     // the machine cannot hold it just now: 507
+    GLINT_E_NOMEM,        // allocation failed: 507
+    GLINT_E_IO,           // 500
+    GLINT_E_DEVICE,       // OpenCL or Embree refused: 500
+    GLINT_E_UNAVAILABLE,  // no daemon answers (clients only): 503
+    GLINT_E_VERSION,      // a file of a format that came later: 500
+    GLINT_E_INTERNAL,     // 500
     GLINT_STATUS_COUNT
 } glint_status;
 

@@ -3,6 +3,7 @@
 #include "http/answer.h"
 #include "http/routes.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -34,32 +35,34 @@ static const char *bearer(struct glint_request *r)
     return given + 7 + strspn(given + 7, " ");
 }
 
-static bool refuse(struct glint_request *r, int status, const char *title, const char *challenge,
-                   const char *detail)
+static bool refuse(struct glint_request *r, struct glint_error *err, const char *challenge)
 {
-    glint_answer_problem(r, status, title, "%s", detail);
-    glint_answer_header(r, "WWW-Authenticate", "%s", challenge);
+    glint_answer_error(r, err);
+    glint_answer_header(r, "WWW-Authenticate", "Bearer realm=\"glint\"%s", challenge);
     return false;
 }
 
 static bool check_scope(struct glint_request *r, const char *secret)
 {
     const enum glint_scope scope = needed(r->route);
+    struct glint_error err = {0};
+    char challenge[64];
     if (r->scope >= scope)
         return true;
-    if (!secret)
-        return refuse(r, MHD_HTTP_UNAUTHORIZED, "Unauthorised", "Bearer realm=\"glint\"",
-                      "this call needs a token: Authorization: Bearer");
-    if (!r->scope)
-        return refuse(r, MHD_HTTP_UNAUTHORIZED, "Unauthorised",
-                      "Bearer realm=\"glint\", error=\"invalid_token\"", "the token is not known");
-    glint_answer_problem(r, MHD_HTTP_FORBIDDEN, "Forbidden",
-                         "this call needs the scope %s, the token has %s", glint_scope_name(scope),
-                         glint_scope_name(r->scope));
-    glint_answer_header(r, "WWW-Authenticate",
-                        "Bearer realm=\"glint\", error=\"insufficient_scope\", scope=\"%s\"",
-                        glint_scope_name(scope));
-    return false;
+    if (!secret) {
+        glint_fail(&err, GLINT_E_UNAUTHORIZED, "",
+                   "this call needs a token: Authorization: Bearer TOKEN");
+        return refuse(r, &err, "");
+    }
+    if (!r->scope) {
+        glint_fail(&err, GLINT_E_UNAUTHORIZED, "", "the token is not known");
+        return refuse(r, &err, ", error=\"invalid_token\"");
+    }
+    glint_fail(&err, GLINT_E_FORBIDDEN, "", "this call needs the scope %s, the token has %s",
+               glint_scope_name(scope), glint_scope_name(r->scope));
+    snprintf(challenge, sizeof challenge, ", error=\"insufficient_scope\", scope=\"%s\"",
+             glint_scope_name(scope));
+    return refuse(r, &err, challenge);
 }
 
 // Somebody else's job is answered like one that does not exist.

@@ -1,5 +1,6 @@
 // stats.c - GET /v1/stats: who works on what, what waits, what holds the memory.
 #include "http/answer.h"
+#include "http/auth.h"
 #include "http/resources.h"
 
 #include "base/clock.h"
@@ -15,8 +16,11 @@ static void add_text_or_null(cJSON *object, const char *name, const char *text)
         cJSON_AddNullToObject(object, name);
 }
 
-static void add_workers(cJSON *object, glint_jobs *jobs)
+// A worker's job is shown to who may see it.
+static void add_workers(cJSON *object, const struct glint_request *r)
 {
+    glint_jobs *jobs = r->http->jobs;
+    const char *tenant = glint_auth_tenant(r);
     cJSON *list = cJSON_AddArrayToObject(object, "workers");
     const uint32_t count = glint_jobs_workers(jobs, NULL, 0);
     struct glint_worker_use *use = calloc(count, sizeof *use);
@@ -24,7 +28,8 @@ static void add_workers(cJSON *object, glint_jobs *jobs)
         glint_jobs_workers(jobs, use, count);
     for (uint32_t w = 0; use && w < count; w++) {
         cJSON *o = cJSON_CreateObject();
-        add_text_or_null(o, "job", use[w].job);
+        const bool seen = !tenant || glint_jobs_belongs(jobs, use[w].job, tenant);
+        add_text_or_null(o, "job", seen ? use[w].job : NULL);
         cJSON_AddNumberToObject(o, "busy", use[w].share);
         cJSON_AddNumberToObject(o, "busy_seconds", use[w].busy_seconds);
         cJSON_AddItemToArray(list, o);
@@ -74,7 +79,7 @@ void glint_http_service_stats(struct glint_request *r)
     glint_utc(now);
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "time", now);
-    add_workers(o, r->http->jobs);
+    add_workers(o, r);
     add_jobs(o, &stats);
     add_memory(o, &stats, r->http->store);
     add_limits(o, &stats.limits);

@@ -57,6 +57,13 @@ def submit(daemon, headers, **job):
                        headers)
 
 
+def wait_for(condition):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
 def test_a_new_token_is_told_once_and_its_line_holds_only_the_digest():
     secret, line = new_token("farm@site", "submit")
     name, scope, digest = line.split()
@@ -79,6 +86,7 @@ def test_without_a_token_only_what_tells_nothing_is_answered():
             assert answer.headers["WWW-Authenticate"] == 'Bearer realm="glint"'
             assert answer.headers["Content-Type"] == "application/problem+json"
             assert answer.json()["status"] == 401
+            assert answer.json()["type"] == "/problems/unauthorized"
         assert put(daemon, {}).status == 401
         assert submit(daemon, {}).status == 401
 
@@ -127,6 +135,16 @@ def test_a_client_sees_changes_and_cancels_only_its_own_jobs():
         assert listed("bob") == [jobs["bob"]]
         assert listed("reader") == []
         assert sorted(listed("root")) == sorted(jobs.values())
+        answer = daemon.get("/v1/jobs?client=bob", tokens.of("alice"))
+        assert answer.status == 422, answer.body
+
+        def working(name):
+            return {worker["job"]
+                    for worker in daemon.get("/v1/stats", tokens.of(name)).json()["workers"]}
+
+        wait_for(lambda: working("root") == {jobs["alice"]} or working("root") == {jobs["bob"]})
+        for name in ["alice", "bob", "reader"]:
+            assert working(name) <= {jobs.get(name), None}, name
         other = "/v1/jobs/" + jobs["bob"]
         for path in ["", "/frame.exr", "/frame.png", "/tiles", "/events", "/plan", "/convergence",
                      "/mattes", "/pick?x=1&y=1"]:
@@ -169,13 +187,6 @@ def test_the_name_of_the_token_counts_and_no_header():
         assert submit(daemon, {}).json()["client"] == ""
         for bad in ["", "a b", "x" * 65, 'a"b']:
             assert submit(daemon, {"Glint-Client": bad}).status == 422, bad
-
-
-def wait_for(condition):
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.01)
 
 
 def test_tokens_are_read_again_on_sighup_and_a_bad_file_keeps_the_old():
