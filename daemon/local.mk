@@ -120,6 +120,10 @@ libglintdaemon_a_SOURCES = \
 	daemon/http/watch.h \
 	daemon/jobs/admit.c \
 	daemon/jobs/admit.h \
+	daemon/jobs/checkpoint.c \
+	daemon/jobs/checkpoint.h \
+	daemon/jobs/checkpoint_file.c \
+	daemon/jobs/checkpoint_file.h \
 	daemon/jobs/commands.c \
 	daemon/jobs/crew.c \
 	daemon/jobs/crew.h \
@@ -127,6 +131,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/describe.h \
 	daemon/jobs/jobs.c \
 	daemon/jobs/jobs.h \
+	daemon/jobs/journal.c \
+	daemon/jobs/journal.h \
 	daemon/jobs/list.c \
 	daemon/jobs/look.c \
 	daemon/jobs/look.h \
@@ -134,6 +140,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/need.h \
 	daemon/jobs/patch.c \
 	daemon/jobs/patch.h \
+	daemon/jobs/restart.c \
+	daemon/jobs/restart.h \
 	daemon/jobs/scheduler.c \
 	daemon/jobs/scheduler.h \
 	daemon/jobs/scheduler_parts.h \

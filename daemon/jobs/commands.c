@@ -67,6 +67,27 @@ static glint_status submit(glint_scheduler *s, struct glint_command *c)
     return GLINT_OK;
 }
 
+// Takes up where the daemon before left it.
+static glint_status recall(glint_scheduler *s, struct glint_command *c)
+{
+    struct glint_entry *e = c->entry;
+    const bool lives = !glint_state_ended(e->state);
+    if (lives && s->lives == GLINT_MAX_LIVE_JOBS)
+        return glint_fail(c->err, GLINT_E_CAPACITY, "", "%zu jobs wait or render already", s->lives);
+    const bool entered = !lives || glint_turn_enter(&s->accounts, e, e->priority);
+    if (!entered || !glint_job_table_add(s->table, e)) {
+        glint_turn_leave(&s->accounts, e);
+        return glint_fail(c->err, GLINT_E_NOMEM, "", "no memory for one more job");
+    }
+    e->slice_seconds = FIRST_SLICE;
+    if (lives) {
+        s->live[s->lives++] = e;
+        glint_revision_use(e->revision, 1);
+    }
+    s->news = true;
+    return GLINT_OK;
+}
+
 static glint_status delete (glint_scheduler *s, struct glint_command *c)
 {
     if (!glint_state_ended(c->entry->state)) {
@@ -257,7 +278,11 @@ static void begin_stop(glint_scheduler *s)
 {
     s->stopping = true;
     for (size_t i = s->lives; i--;) // backwards: glint_scheduler_end() may take the entry out
-        glint_scheduler_end(s, s->live[i], GLINT_JOB_CANCELLED);
+        if (!s->live[i]->keeper)
+            glint_scheduler_end(s, s->live[i], GLINT_JOB_CANCELLED);
+        else // relaxed: a hint to the preparer
+            atomic_store_explicit(&s->live[i]->abandoned, true, memory_order_relaxed);
+    glint_scheduler_recall(s);
 }
 
 void glint_scheduler_obey(glint_scheduler *s, struct glint_command *c)
@@ -282,6 +307,12 @@ void glint_scheduler_obey(glint_scheduler *s, struct glint_command *c)
         break;
     case GLINT_COMMAND_LIMITS:
         glint_scheduler_limit(s, &c->limits);
+        break;
+    case GLINT_COMMAND_RECALL:
+        c->status = recall(s, c);
+        break;
+    case GLINT_COMMAND_KEPT:
+        glint_scheduler_unblock(s);
         break;
     case GLINT_COMMAND_PING:
         break;

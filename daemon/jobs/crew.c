@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/thread.h"
+#include "jobs/checkpoint.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -21,6 +22,7 @@ struct preparation {
     glint_revision *revision;         // retained
     struct glint_look *look;          // retained, or NULL
     glint_view *view;
+    glint_render *render; // to be destroyed
 };
 
 struct member {
@@ -58,7 +60,7 @@ static void *work(void *arg)
     return NULL;
 }
 
-static void drop(struct glint_message *answer)
+void glint_crew_drop(struct glint_message *answer)
 {
     glint_view_release(&answer->view);
     glint_render_destroy(&answer->render);
@@ -92,11 +94,14 @@ static glint_status make(const struct member *m, const struct preparation *order
                 : glint_render_create(&answer->render, m->devices, posed.resident, posed.pose, &job,
                                       &answer->error);
     glint_resident_release(&posed.resident);
+    if (!st && !render)
+        glint_checkpoint_restore(order->entry, answer->render);
     return st;
 }
 
 static void finish(struct preparation *order)
 {
+    glint_render_destroy(&order->render);
     glint_view_release(&order->view);
     glint_revision_release(&order->revision);
     glint_look_release(&order->look);
@@ -116,7 +121,7 @@ static void *prepare(void *arg)
             glint_render_destroy(&answer.render);
         finish(&order);
         if (!glint_queue_push(m->inbox, &answer))
-            drop(&answer);
+            glint_crew_drop(&answer);
     }
     return NULL;
 }
@@ -130,7 +135,7 @@ static void *move(void *arg)
         struct glint_message answer = {.kind = GLINT_MESSAGE_MOVED, .entry = order.entry};
         answer.status = make(m, &order, order.entry->render, &answer);
         if (!glint_queue_push(m->inbox, &answer))
-            drop(&answer);
+            glint_crew_drop(&answer);
     }
     return NULL;
 }
@@ -239,6 +244,14 @@ void glint_crew_move(glint_crew *crew, struct glint_entry *entry)
 {
     const struct preparation order = about(entry, NULL);
     glint_queue_push(crew->mover.orders, &order); // waits, if ever, while something is released
+}
+
+void glint_crew_discard(glint_crew *crew, glint_render **render)
+{
+    struct preparation order = {.render = *render};
+    *render = NULL;
+    if (!glint_queue_offer(crew->mover.orders, &order))
+        finish(&order);
 }
 
 void glint_crew_dispose(glint_crew *crew, glint_view **view, glint_revision **revision)

@@ -63,6 +63,12 @@ void glint_crew_prepare(glint_crew *crew, struct glint_entry *entry, struct glin
 // reference. At most one may be out.
 void glint_crew_move(glint_crew *crew, struct glint_entry *entry);
 
+// What an answer brings, when nobody takes it.
+void glint_crew_drop(struct glint_message *answer);
+
+// Has a render destroyed, which takes a while; stores NULL.
+void glint_crew_discard(glint_crew *crew, glint_render **render);
+
 // Has a view and a revision released, which takes a while; stores NULL. The crew may be NULL.
 void glint_crew_dispose(glint_crew *crew, glint_view **view, glint_revision **revision);
 

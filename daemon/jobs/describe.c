@@ -20,10 +20,12 @@ struct moment {
     bool idle;
     char revision[65];
     struct glint_look *look; // retained, or NULL
-    char *trouble;           // a copy, or NULL
+    char *trouble[3];        // copies, or NULL
+    struct glint_render_state kept; // of who has no render and was kept
+    bool is_kept;
 };
 
-static void look(struct glint_job_table *table, const struct glint_entry *e, struct moment *out)
+static void look(struct glint_job_table *table, struct glint_entry *e, struct moment *out)
 {
     const double now = glint_now();
     pthread_mutex_lock(&table->mutex);
@@ -38,7 +40,12 @@ static void look(struct glint_job_table *table, const struct glint_entry *e, str
                            e->state == GLINT_JOB_RENDERING && isnan(e->since),
                            "",
                            glint_look_retain(e->look),
-                           e->trouble ? strdup(e->trouble) : NULL};
+                           {e->trouble ? strdup(e->trouble) : NULL,
+                            e->kept.trouble ? strdup(e->kept.trouble) : NULL,
+                            e->kept.torn ? strdup(e->kept.torn) : NULL},
+                           e->kept.rendered,
+                           e->keeper != NULL};
+    e->views += e->render != NULL; // it stays until glint_entry_describe() is done with it
     strcpy(out->revision, glint_revision_id(e->revision));
     pthread_mutex_unlock(&table->mutex);
 }
@@ -90,6 +97,8 @@ static void add_render(cJSON *object, const struct moment *m)
     struct glint_render_state r = {.error = NAN, .predicted_samples = NAN};
     if (m->render)
         glint_render_state(m->render, &r);
+    else if (m->is_kept)
+        r = m->kept;
     const bool bounded = r.target_samples && r.target_samples < GLINT_MAX_SAMPLES;
     cJSON_AddNumberToObject(object, "samples", r.samples);
     add_number(object, "target_samples", bounded ? r.target_samples : NAN);
@@ -131,8 +140,9 @@ static void add_job(cJSON *object, const struct glint_entry *e, const struct mom
 static void add_warnings(cJSON *object, const struct glint_entry *e, const struct moment *m)
 {
     cJSON *warnings = cJSON_Duplicate(e->warnings, true);
-    if (m->trouble)
-        cJSON_AddItemToArray(warnings, cJSON_CreateString(m->trouble));
+    for (size_t i = 0; i < sizeof m->trouble / sizeof *m->trouble; i++)
+        if (m->trouble[i])
+            cJSON_AddItemToArray(warnings, cJSON_CreateString(m->trouble[i]));
     cJSON_AddItemToObject(object, "warnings", warnings);
 }
 
@@ -173,12 +183,16 @@ static cJSON *describe(const struct glint_entry *e, const struct moment *m)
     return object;
 }
 
-cJSON *glint_entry_describe(struct glint_job_table *table, const struct glint_entry *e)
+cJSON *glint_entry_describe(struct glint_job_table *table, struct glint_entry *e)
 {
     struct moment m;
     look(table, e, &m);
     cJSON *object = describe(e, &m);
     glint_look_release(&m.look);
-    free(m.trouble);
+    for (size_t i = 0; i < sizeof m.trouble / sizeof *m.trouble; i++)
+        free(m.trouble[i]);
+    pthread_mutex_lock(&table->mutex);
+    e->views -= m.render != NULL;
+    pthread_mutex_unlock(&table->mutex);
     return object;
 }

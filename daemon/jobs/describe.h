@@ -7,7 +7,7 @@
 #include "jobs/table.h"
 
 // A new object, NULL without memory.
-cJSON *glint_entry_describe(struct glint_job_table *table, const struct glint_entry *entry);
+cJSON *glint_entry_describe(struct glint_job_table *table, struct glint_entry *entry);
 
 // As glint_jobs_list().
 cJSON *glint_entries_describe(struct glint_job_table *table, const struct glint_jobs_filter *filter,

@@ -1,16 +1,23 @@
 #include "jobs/jobs.h"
 
+#include "base/clock.h"
 #include "jobs/admit.h"
+#include "jobs/checkpoint.h"
 #include "jobs/describe.h"
 #include "jobs/patch.h"
+#include "jobs/restart.h"
 #include "jobs/scheduler.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#define KEYS 16u // submissions with a key that go on side by side
+
 struct glint_jobs {
     glint_store *store;
-    glint_keeper *keeper; // NULL: nothing is kept
+    glint_checkpoints *checkpoints; // NULL: nothing is kept
+    pthread_mutex_t keyed[KEYS]; // by a hash of the key: two submissions with one follow each other
     struct glint_job_table table;
     glint_scheduler *scheduler;
 };
@@ -28,6 +35,24 @@ static void scene_changed(void *user, const char *name)
     tell(user, &command);
 }
 
+static void film_written(void *user)
+{
+    struct glint_command command = {.kind = GLINT_COMMAND_KEPT};
+    tell(user, &command);
+}
+
+// What is kept comes before anybody can ask for it, and before new films are written.
+static glint_status start_keeping(glint_jobs *jobs, struct glint_error *err)
+{
+    if (!jobs->checkpoints)
+        return GLINT_OK;
+    const glint_status st = glint_jobs_recall(jobs->checkpoints, jobs->store, jobs->scheduler, err);
+    if (st)
+        return st;
+    glint_checkpoints_sweep(jobs->checkpoints);
+    return glint_checkpoints_start(jobs->checkpoints, err);
+}
+
 glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_store *store,
                                const struct glint_jobs_limits *limits, glint_keeper *keeper,
                                struct glint_error *err)
@@ -37,20 +62,36 @@ glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_s
     if (!jobs)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the job table");
     jobs->store = store;
-    jobs->keeper = keeper;
-    if (!glint_job_table_init(&jobs->table, glint_devices_workers(devices))) {
-        glint_job_table_finish(&jobs->table);
-        free(jobs);
-        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the job table");
-    }
-    const glint_status st =
-        glint_scheduler_create(&jobs->scheduler, devices, store, &jobs->table, limits, err);
+    for (unsigned i = 0; i < KEYS; i++)
+        pthread_mutex_init(&jobs->keyed[i], NULL);
+    glint_status st = glint_job_table_init(&jobs->table, glint_devices_workers(devices))
+                          ? GLINT_OK
+                          : glint_fail(err, GLINT_E_NOMEM, "", "no memory for the job table");
+    if (!st && keeper)
+        st = glint_checkpoints_create(&jobs->checkpoints, keeper, &jobs->table, film_written, jobs,
+                                      err);
+    if (!st)
+        st = glint_scheduler_create(&jobs->scheduler, devices, store, &jobs->table, limits, err);
+    if (!st)
+        st = start_keeping(jobs, err);
     if (st)
         glint_jobs_destroy(&jobs);
     else
         glint_store_on_publish(store, scene_changed, jobs);
     *out = jobs;
     return st;
+}
+
+void glint_jobs_set_checkpoint(glint_jobs *jobs, double seconds)
+{
+    if (jobs->checkpoints)
+        glint_checkpoints_set_seconds(jobs->checkpoints, seconds);
+}
+
+void glint_jobs_checkpoint(glint_jobs *jobs)
+{
+    if (jobs->checkpoints)
+        glint_checkpoints_now(jobs->checkpoints);
 }
 
 void glint_jobs_set_limits(glint_jobs *jobs, const struct glint_jobs_limits *limits)
@@ -63,10 +104,18 @@ void glint_jobs_destroy(glint_jobs **jobs)
 {
     if (!*jobs)
         return;
-    glint_store_on_publish((*jobs)->store, NULL, NULL);
-    glint_scheduler_destroy(&(*jobs)->scheduler);
-    glint_job_table_finish(&(*jobs)->table);
-    free(*jobs);
+    glint_jobs *j = *jobs;
+    glint_store_on_publish(j->store, NULL, NULL);
+    if (j->checkpoints)
+        glint_checkpoints_stop(j->checkpoints);
+    glint_scheduler_destroy(&j->scheduler);
+    if (j->checkpoints)
+        glint_checkpoints_flush(j->checkpoints);
+    glint_job_table_finish(&j->table);
+    glint_checkpoints_destroy(&j->checkpoints);
+    for (unsigned i = 0; i < KEYS; i++)
+        pthread_mutex_destroy(&j->keyed[i]);
+    free(j);
     *jobs = NULL;
 }
 
@@ -101,6 +150,16 @@ static struct glint_entry *hold_by_key(glint_jobs *jobs, const struct glint_subm
     return known;
 }
 
+// Jobs that were taken out of the table are not known after a restart either.
+static void forget_all(glint_jobs *jobs, struct glint_entry *gone)
+{
+    for (struct glint_entry *e = gone; e && jobs->checkpoints; e = e->next) {
+        glint_job_row_remove(glint_checkpoints_journal(jobs->checkpoints), e->id, NULL);
+        glint_checkpoint_remove(e);
+    }
+    glint_entry_release_all(gone);
+}
+
 // Sends the entry to the scheduler; it has found a twin with the same key where *repeated is set.
 static glint_status add(glint_jobs *jobs, struct glint_entry *entry, char id[GLINT_JOB_ID_BYTES],
                         bool *repeated, struct glint_error *err)
@@ -108,7 +167,7 @@ static glint_status add(glint_jobs *jobs, struct glint_entry *entry, char id[GLI
     struct glint_command command = {.kind = GLINT_COMMAND_SUBMIT, .entry = entry, .err = err};
     strcpy(id, entry->id);
     glint_status st = glint_scheduler_call(jobs->scheduler, &command);
-    glint_entry_release_all(command.gone); // here and not by the scheduler: it takes a while
+    forget_all(jobs, command.gone); // here and not by the scheduler: it takes a while
     *repeated = command.repeated != NULL;
     if (*repeated)
         st = repeat(command.repeated, entry->text, id, err);
@@ -130,24 +189,66 @@ static glint_status submit_again(struct glint_entry *known, struct glint_job *jo
     return st;
 }
 
-glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job,
-                               const struct glint_submission *from, char id[GLINT_JOB_ID_BYTES],
-                               bool *repeated, struct glint_error *err)
+// A job is on the disk before anybody is told that it is taken.
+static glint_status keep_and_add(glint_jobs *jobs, struct glint_entry *entry,
+                                 char id[GLINT_JOB_ID_BYTES], bool *repeated,
+                                 struct glint_error *err)
 {
-    // Before the scene is looked up: a repeated request is answered even if that has gone.
-    struct glint_entry *entry = hold_by_key(jobs, from);
-    *repeated = entry != NULL;
-    if (entry)
-        return submit_again(entry, job, id, err);
-
-    glint_status st = glint_admit(&entry, jobs->store, jobs->table.workers, job, from, err);
+    if (!jobs->checkpoints)
+        return add(jobs, entry, id, repeated, err);
+    glint_journal *journal = glint_checkpoints_journal(jobs->checkpoints);
+    char own[GLINT_JOB_ID_BYTES];
+    strcpy(own, entry->id);
+    entry->keeper = jobs->checkpoints;
+    entry->kept.at = glint_now();
+    entry->kept.rendered = (struct glint_render_state){.error = NAN, .predicted_samples = NAN};
+    glint_status st = glint_job_row_add(journal, entry, err);
     if (st)
         return st;
     st = add(jobs, entry, id, repeated, err);
+    if (st || *repeated)
+        glint_job_row_remove(journal, own, NULL);
+    return st;
+}
+
+static glint_status submit_new(glint_jobs *jobs, struct glint_job *job,
+                               const struct glint_submission *from, char id[GLINT_JOB_ID_BYTES],
+                               bool *repeated, struct glint_error *err)
+{
+    struct glint_entry *entry;
+    glint_status st = glint_admit(&entry, jobs->store, jobs->table.workers, job, from, err);
+    if (st)
+        return st;
+    st = keep_and_add(jobs, entry, id, repeated, err);
     if (st)
         entry->job = NULL; // stays the caller's
     if (st || *repeated)
         glint_entry_release(&entry);
+    return st;
+}
+
+static pthread_mutex_t *key_of(glint_jobs *jobs, const char *key)
+{
+    unsigned hash = 5381;
+    while (*key)
+        hash = hash * 33 + (unsigned char)*key++;
+    return &jobs->keyed[hash % KEYS];
+}
+
+glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job,
+                               const struct glint_submission *from, char id[GLINT_JOB_ID_BYTES],
+                               bool *repeated, struct glint_error *err)
+{
+    pthread_mutex_t *keyed = from->key ? key_of(jobs, from->key) : NULL;
+    if (keyed)
+        pthread_mutex_lock(keyed);
+    // Before the scene is looked up: a repeated request is answered even if that has gone.
+    struct glint_entry *known = hold_by_key(jobs, from);
+    *repeated = known != NULL;
+    const glint_status st =
+        known ? submit_again(known, job, id, err) : submit_new(jobs, job, from, id, repeated, err);
+    if (keyed)
+        pthread_mutex_unlock(keyed);
     return st;
 }
 
@@ -176,8 +277,25 @@ static glint_status command(glint_jobs *jobs, const char *id, struct glint_comma
     if (!c->entry)
         return GLINT_E_NOT_FOUND;
     const glint_status st = glint_scheduler_call(jobs->scheduler, c);
-    glint_entry_release_all(c->gone);
+    forget_all(jobs, c->gone);
     glint_entry_release(&c->entry);
+    return st;
+}
+
+// A job that has ended leaves the disk before the table, one that has not is cancelled there after
+// the scheduler knows of it: either way it is not what it was when the client hears of it.
+static glint_status delete_kept(glint_jobs *jobs, struct glint_entry *entry,
+                                struct glint_command *c)
+{
+    glint_journal *journal = glint_checkpoints_journal(jobs->checkpoints);
+    pthread_mutex_lock(&jobs->table.mutex);
+    const bool ended = glint_state_ended(entry->state);
+    pthread_mutex_unlock(&jobs->table.mutex);
+    glint_status st = ended ? glint_job_row_remove(journal, entry->id, c->err) : GLINT_OK;
+    if (!st)
+        st = command(jobs, entry->id, c);
+    if (!st && !ended && !c->forgotten && glint_job_row_cancel(journal, entry->id, NULL))
+        glint_checkpoint_note(entry); // says why it is not kept
     return st;
 }
 
@@ -185,7 +303,12 @@ glint_status glint_jobs_delete(glint_jobs *jobs, const char *id, bool *forgotten
                                struct glint_error *err)
 {
     struct glint_command c = {.kind = GLINT_COMMAND_DELETE, .err = err};
-    const glint_status st = command(jobs, id, &c);
+    struct glint_entry *entry = glint_job_table_hold(&jobs->table, id, err);
+    if (!entry)
+        return GLINT_E_NOT_FOUND;
+    const glint_status st =
+        jobs->checkpoints ? delete_kept(jobs, entry, &c) : command(jobs, id, &c);
+    glint_entry_release(&entry);
     *forgotten = c.forgotten;
     return st;
 }
@@ -217,6 +340,15 @@ static glint_status check_look(glint_jobs *jobs, const char *id, const struct gl
     return st;
 }
 
+static void note_patched(glint_jobs *jobs, const char *id)
+{
+    struct glint_entry *entry = glint_job_table_hold(&jobs->table, id, NULL);
+    if (!entry)
+        return;
+    glint_checkpoint_note(entry);
+    glint_entry_release(&entry);
+}
+
 glint_status glint_jobs_patch(glint_jobs *jobs, const char *id, const char *text, size_t length,
                               struct glint_error *err)
 {
@@ -227,7 +359,20 @@ glint_status glint_jobs_patch(glint_jobs *jobs, const char *id, const char *text
     if (!st)
         st = command(jobs, id, &c);
     glint_job_patch_finish(&c.patch);
+    if (!st)
+        note_patched(jobs, id);
     return st;
+}
+
+// Of who is not in memory, but on the disk.
+static glint_status open_view(struct glint_entry *entry, struct glint_job_view *out,
+                              struct glint_error *err)
+{
+    const glint_status st = glint_checkpoint_open(entry, &out->render, err);
+    out->opened = out->render != NULL;
+    if (st || out->render || glint_state_ended(out->state))
+        return st;
+    return glint_fail(err, GLINT_E_BUSY, "", "the job is still being prepared");
 }
 
 glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_view *out,
@@ -243,18 +388,23 @@ glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_
                                    .job = entry->job,
                                    .sequence = entry->sequence,
                                    .hold = entry};
+    entry->views += entry->render != NULL;
     strcpy(out->revision, glint_revision_id(entry->revision));
     pthread_mutex_unlock(&jobs->table.mutex);
-    if (out->render || glint_state_ended(out->state))
-        return GLINT_OK;
-    glint_jobs_release(jobs, out);
-    return glint_fail(err, GLINT_E_BUSY, "", "the job is still being prepared");
+    const glint_status st = out->render ? GLINT_OK : open_view(entry, out, err);
+    if (st)
+        glint_jobs_release(jobs, out);
+    return st;
 }
 
 void glint_jobs_release(glint_jobs *jobs, struct glint_job_view *view)
 {
-    (void)jobs;
     struct glint_entry *entry = view->hold;
+    if (view->opened)
+        glint_render_destroy(&view->render);
+    pthread_mutex_lock(&jobs->table.mutex);
+    entry->views -= view->render != NULL;
+    pthread_mutex_unlock(&jobs->table.mutex);
     glint_entry_release(&entry);
     *view = (struct glint_job_view){0};
 }

@@ -59,7 +59,11 @@ glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_s
                                const struct glint_jobs_limits *limits, glint_keeper *keeper,
                                struct glint_error *err);
 void glint_jobs_set_limits(glint_jobs *jobs, const struct glint_jobs_limits *limits);
-// Stops after the slices out now; every job that has not ended becomes cancelled.
+// Seconds between two films of a job that are written to the disk, 0: the default; and all at once.
+void glint_jobs_set_checkpoint(glint_jobs *jobs, double seconds);
+void glint_jobs_checkpoint(glint_jobs *jobs);
+// Stops after the slices out now. Every job that has not ended is kept as it stands or, where
+// nothing is kept, becomes cancelled.
 void glint_jobs_destroy(glint_jobs **jobs);
 
 // Called after every change of any job, from the scheduler thread: at once when a state changes, at
@@ -115,8 +119,10 @@ glint_status glint_jobs_delete(glint_jobs *jobs, const char *id, bool *forgotten
 glint_status glint_jobs_patch(glint_jobs *jobs, const char *id, const char *text, size_t length,
                               struct glint_error *err);
 
-// The job's render with a reference that keeps it alive until released, for pixels and plans;
-// GLINT_E_BUSY while it is still being prepared.
+// The job's render with a reference that keeps it alive until released, for pixels and plans; where
+// it is not in memory it is opened from its film, which is read as pixels are asked for.
+//   GLINT_E_BUSY  it is still being prepared
+//   GLINT_E_IO    its film cannot be read
 struct glint_job_view {
     glint_render *render; // NULL: the job ended before it had one
     enum glint_job_state state;
@@ -124,6 +130,7 @@ struct glint_job_view {
     char revision[65];
     uint64_t sequence; // grows with every change of this job
     void *hold;
+    bool opened; // `render` is of a film on the disk, and the view's alone
 };
 glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_view *out,
                              struct glint_error *err);

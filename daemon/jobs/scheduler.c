@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/thread.h"
+#include "jobs/checkpoint.h"
 #include "jobs/state.h"
 #include "jobs/turn.h"
 
@@ -12,6 +13,7 @@
 
 #define COMMAND_ROOM 256 // in the inbox, beside one answer for each order that can be out
 #define FRESH_SLICES 8
+#define SHORT_SECONDS 0.006 // a slice that is not worth giving up: its tile counts as shown
 #define PIXEL_SECONDS 0.01 // between calls of `changed` for new pixels: slices may be shorter
 
 glint_status glint_scheduler_call(glint_scheduler *s, struct glint_command *c)
@@ -54,6 +56,7 @@ static void settle(glint_scheduler *s, struct glint_entry *e)
     glint_revision_use(e->revision, -1); // first: who sees the job ended may delete its scene
     glint_scheduler_enter(s, e, e->end);
     e->end = GLINT_JOB_QUEUED;
+    glint_checkpoint_ended(e);
     remove_live(s, e);
     glint_turn_leave(&s->accounts, e);
     glint_scheduler_unblock(s);
@@ -217,10 +220,10 @@ static void moved(glint_scheduler *s, struct glint_message *m)
         m->view = NULL;
         m->revision = NULL;
         glint_scheduler_recall(s);
-        if (e->out)
-            glint_render_interrupt(e->render, true);
-        else
+        if (!e->out)
             change_view(s, e);
+        else if (e->slice_seconds > SHORT_SECONDS)
+            glint_render_interrupt(e->render, true);
     }
     glint_crew_dispose(s->crew, &m->view, &m->revision);
     glint_entry_release(&m->entry);
@@ -303,6 +306,12 @@ static uint64_t memory_for_films(const glint_scheduler *s)
     return limit > scenes.resident_bytes ? limit - scenes.resident_bytes : 0;
 }
 
+static void let_go(void *user, glint_render **render)
+{
+    const glint_scheduler *s = user;
+    glint_crew_discard(s->crew, render);
+}
+
 static void prepare_next(glint_scheduler *s)
 {
     struct glint_entry *e =
@@ -311,7 +320,7 @@ static void prepare_next(glint_scheduler *s)
         return;
     struct glint_entry *gone = NULL;
     e->blocked = !glint_job_table_make_room(s->table, e->need.film + e->need.scene,
-                                            memory_for_films(s), &gone);
+                                            memory_for_films(s), &gone, let_go, s);
     if (e->blocked)
         return;
     s->preparing = e->preparing = true;
@@ -420,20 +429,31 @@ static double wake_up(const glint_scheduler *s)
     return s->pixels ? fmin(deadline, s->told + PIXEL_SECONDS) : deadline;
 }
 
+// What is kept need not end, but what is out of it comes back.
+static bool is_over(const glint_scheduler *s)
+{
+    bool over = s->stopping;
+    for (size_t i = 0; i < s->lives && over; i++)
+        over = s->live[i]->keeper && !s->live[i]->out;
+    return over;
+}
+
 static void *run(void *arg)
 {
     glint_scheduler *s = arg;
     struct glint_message message;
-    while (!s->stopping || s->lives) {
+    while (!is_over(s)) {
         if (glint_queue_pop_until(s->inbox, &message, wake_up(s)))
             do
                 handle(s, &message);
             while (glint_queue_poll(s->inbox, &message));
         end_late(s);
-        prepare_next(s);
-        move_next(s);
-        dispatch(s);
-        fail_stuck(s);
+        if (!s->stopping) {
+            prepare_next(s);
+            move_next(s);
+            dispatch(s);
+            fail_stuck(s);
+        }
         note_waits(s);
         tell(s);
     }
@@ -492,7 +512,7 @@ void glint_scheduler_destroy(glint_scheduler **scheduler)
         glint_queue_close(s->inbox);
     glint_crew_destroy(&s->crew);
     for (struct glint_message m; s->inbox && glint_queue_poll(s->inbox, &m);)
-        handle(s, &m); // with no job left, only what was being prepared can have come
+        glint_crew_drop(&m); // what was being prepared: nobody renders any more
     glint_queue_destroy(&s->inbox);
     pthread_cond_destroy(&s->answer);
     pthread_mutex_destroy(&s->mutex);

@@ -22,12 +22,15 @@ enum glint_command_kind {
     GLINT_COMMAND_WATCH,  // sets the callback
     GLINT_COMMAND_LIMITS, // sets `limits`
     GLINT_COMMAND_PING,   // nothing: that it is answered is the answer
-    GLINT_COMMAND_STOP, // destroy's alone: cancels what lives, ends the thread once nothing is out
+    GLINT_COMMAND_RECALL, // adds `entry`, which was known before a restart, with what it has done
+    GLINT_COMMAND_KEPT, // a film is on the disk: its memory may be let go
+    GLINT_COMMAND_STOP, // destroy's alone: cancels what lives and is not kept, ends the thread once nothing
+                        // is out
 };
 
 struct glint_command {
     enum glint_command_kind kind;
-    struct glint_entry *entry;    // SUBMIT: takes the reference on success; DELETE, PATCH: borrowed
+    struct glint_entry *entry;    // SUBMIT, RECALL: takes the reference on success; DELETE, PATCH: borrowed
     struct glint_job_patch patch; // the camera before is in it afterwards
     const char *scene;            // SCENE
     void (*changed)(void *user);  // WATCH
@@ -49,7 +52,7 @@ glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *device
                                     glint_store *store, struct glint_job_table *table,
                                     const struct glint_jobs_limits *limits,
                                     struct glint_error *err);
-// Stops after the slices out now; what has not ended becomes cancelled.
+// Stops after the slices out now; what has not ended becomes cancelled, unless it is kept.
 void glint_scheduler_destroy(glint_scheduler **scheduler);
 
 glint_status glint_scheduler_call(glint_scheduler *scheduler, struct glint_command *command);

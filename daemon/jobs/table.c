@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "jobs/checkpoint.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -128,8 +129,22 @@ struct glint_entry *glint_job_table_trim(struct glint_job_table *table, size_t m
     return gone;
 }
 
+// The render of an ended entry that is on the disk and that nobody uses; NULL: it stays.
+static glint_render *part_with(struct glint_job_table *table, struct glint_entry *e)
+{
+    glint_render *render = NULL;
+    pthread_mutex_lock(&table->mutex);
+    if (glint_checkpoint_complete(e) && !e->views) {
+        render = e->render;
+        e->render = NULL;
+    }
+    pthread_mutex_unlock(&table->mutex);
+    return render;
+}
+
 bool glint_job_table_make_room(struct glint_job_table *table, uint64_t wanted, uint64_t limit,
-                               struct glint_entry **gone)
+                               struct glint_entry **gone,
+                               void (*let_go)(void *user, glint_render **render), void *user)
 {
     uint64_t live = wanted, ended = 0;
     for (size_t i = 0; i < table->count; i++) {
@@ -139,16 +154,20 @@ bool glint_job_table_make_room(struct glint_job_table *table, uint64_t wanted, u
     }
     if (live > limit)
         return false;
-    for (size_t i = 0; live + ended > limit;) {
+    for (size_t i = 0; i < table->count && live + ended > limit;) {
         struct glint_entry *e = table->entry[i];
-        if (!e->render || !glint_state_ended(e->state)) {
+        const bool has = e->render && glint_state_ended(e->state);
+        glint_render *render = has && e->keeper ? part_with(table, e) : NULL;
+        if (render || (has && !e->keeper))
+            ended -= e->need.film;
+        if (render)
+            let_go(user, &render);
+        if (has && !e->keeper)
+            take_out(table, e, gone);
+        else
             i++;
-            continue;
-        }
-        ended -= e->need.film;
-        take_out(table, e, gone);
     }
-    return true;
+    return live + ended <= limit;
 }
 
 struct glint_entry *glint_entry_retain(struct glint_entry *entry)
@@ -174,6 +193,8 @@ void glint_entry_release(struct glint_entry **entry)
     glint_error_finish(&e->problem);
     cJSON_Delete(e->warnings);
     free(e->trouble);
+    free(e->kept.trouble);
+    free(e->kept.torn);
     free(e->text);
     free(e->client);
     free(e->request);

@@ -26,6 +26,19 @@
     86400.0 // an Idempotency-Key is good for a day, and while its job is known
 
 struct glint_account;
+struct glint_checkpoints;
+
+// What is on the disk of a job. Written by the thread of the checkpoints and, before the job renders,
+// by the preparer; where the others look at it, with the table's mutex.
+struct glint_job_kept {
+    uint64_t film, film_before;         // numbers of films, 0: none
+    struct glint_render_state rendered; // as the last row says
+    uint64_t complete;                  // the entry's sequence when all of an ended job was kept
+    bool removed;                       // the job is forgotten: its films go
+    char *trouble;                      // why nothing is being kept, NULL: it is
+    char *torn;                         // which film could not be read back, NULL: none
+    double worker_seconds, at, retry;   // the writer's: at the last film, when that was, not before
+};
 
 struct glint_entry {
     // fixed
@@ -40,6 +53,7 @@ struct glint_entry {
     double submitted; // glint_now()
     struct glint_need need;
     uint64_t rest_bytes; // of the scene at rest
+    struct glint_checkpoints *keeper; // NULL: it is not kept
 
     // shared
     enum glint_job_state state;
@@ -55,6 +69,8 @@ struct glint_entry {
     double since;               // glint_now() from which it is rendering, NAN: not now, or it idles
     double worker_seconds;
     uint64_t sequence;
+    uint32_t views; // by whom `render` is used beside the scheduler and its workers
+    struct glint_job_kept kept;
 
     // scheduler
     bool listed;           // in the table
@@ -111,11 +127,13 @@ void glint_job_table_remove(struct glint_job_table *table, struct glint_entry *e
 // Scheduler only: takes the oldest ended jobs past `most` out; a list by `next`.
 struct glint_entry *glint_job_table_trim(struct glint_job_table *table, size_t most);
 
-// Scheduler only: takes as many of the oldest ended jobs out as hold the film that is too much for
+// Scheduler only: lets go of the films of ended jobs that are on the disk, the oldest first, or,
+// where jobs are not kept, takes as many of the oldest ended jobs out as hold the film that is too much for
 // `wanted` bytes more within `limit` for all films. False, and nothing done, where that cannot be enough. No film may
 // be in preparation: it is not counted.
 bool glint_job_table_make_room(struct glint_job_table *table, uint64_t wanted, uint64_t limit,
-                               struct glint_entry **gone);
+                               struct glint_entry **gone,
+                               void (*let_go)(void *user, glint_render **render), void *user);
 
 // As glint_jobs_stats() and glint_jobs_workers().
 void glint_job_table_stats(struct glint_job_table *table, struct glint_jobs_stats *out);

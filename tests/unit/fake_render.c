@@ -6,6 +6,7 @@
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #define MAX_WORKERS 16
 #define MAX_SEED 8192
@@ -504,4 +505,66 @@ void glint_render_state(const glint_render *r, struct glint_render_state *out)
                                     .bounce_rays = 7,
                                     .shadow_rays = 3};
     unlock();
+}
+
+// A film is its numbers between two words.
+#define FILM "film 1 %10u %10u %10u end\n"
+#define FILM_BYTES 45
+
+glint_status glint_render_film(glint_render *r, int fd, struct glint_error *err)
+{
+    char text[FILM_BYTES + 1];
+    lock();
+    snprintf(text, sizeof text, FILM, r->job.seed, r->job.width, r->sample);
+    unlock();
+    if (write(fd, text, FILM_BYTES) == FILM_BYTES)
+        return GLINT_OK;
+    return glint_fail(err, GLINT_E_IO, "", "the film cannot be written");
+}
+
+static glint_status read_film(int fd, unsigned number[3], struct glint_error *err)
+{
+    char text[FILM_BYTES + 1] = "";
+    unsigned version = 0;
+    int end = 0;
+    const ssize_t n = read(fd, text, FILM_BYTES);
+    const int got =
+        sscanf(text, "film %u %u %u %u end%n", &version, &number[0], &number[1], &number[2], &end);
+    if (got >= 1 && version > 1)
+        return glint_fail(err, GLINT_E_VERSION, "", "the film is of version %u", version);
+    if (n != FILM_BYTES || !end)
+        return glint_fail(err, GLINT_E_SYNTAX, "", "the film is torn");
+    return GLINT_OK;
+}
+
+glint_status glint_render_restore(glint_render *r, int fd, struct glint_error *err)
+{
+    unsigned number[3];
+    const glint_status st = read_film(fd, number, err);
+    if (st)
+        return st;
+    if (number[0] != r->job.seed)
+        return glint_fail(err, GLINT_E_RANGE, "", "it is the film of job %u", number[0]);
+    lock();
+    r->sample = number[2];
+    unlock();
+    return GLINT_OK;
+}
+
+glint_status glint_render_open(glint_render **out, int fd, struct glint_error *err)
+{
+    unsigned number[3];
+    *out = NULL;
+    const glint_status st = read_film(fd, number, err);
+    if (st)
+        return st;
+    *out = calloc(1, sizeof **out);
+    (*out)->job.seed = number[0];
+    (*out)->job.width = number[1];
+    (*out)->job.stop.samples = (*out)->sample = number[2];
+    (*out)->block = calloc(number[1], 1);
+    lock();
+    renders++;
+    unlock();
+    return GLINT_OK;
 }
