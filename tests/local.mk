@@ -193,6 +193,7 @@ SCRIPT_TESTS = \
 	tests/clients/cli_daemon.py \
 	tests/clients/cli_bundle.py \
 	tests/clients/cli_identity.py \
+	tests/clients/cli_merge.py \
 	tests/clients/cli_recolor.py \
 	tests/clients/cli_render.py \
 	tests/clients/cli_tev.py \
