@@ -170,6 +170,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/render/inside.c \
 	daemon/render/internal.h \
 	daemon/render/pass.c \
+	daemon/render/order.c \
+	daemon/render/order.h \
 	daemon/render/plan.c \
 	daemon/render/plan.h \
 	daemon/render/render.c \

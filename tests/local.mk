@@ -63,6 +63,7 @@ UNIT_TESTS = \
 	tests/unit/test_metrics \
 	tests/unit/test_multipart \
 	tests/unit/test_obj \
+	tests/unit/test_order \
 	tests/unit/test_ply \
 	tests/unit/test_png \
 	tests/unit/test_pose \
@@ -176,6 +177,7 @@ tests_unit_test_scene_time_SOURCES = tests/unit/test_scene_time.c $(scene_text)
 tests_unit_test_scene_trust_SOURCES = tests/unit/test_scene_trust.c $(scene_text)
 tests_unit_test_scene_write_SOURCES = tests/unit/test_scene_write.c $(scene_text)
 tests_unit_test_scheduler_SOURCES = tests/unit/test_scheduler.c $(jobs_fixture)
+tests_unit_test_order_SOURCES = tests/unit/test_order.c $(offline)
 tests_unit_test_obj_SOURCES = tests/unit/test_obj.c tests/unit/model_expect.h
 tests_unit_test_ply_SOURCES = tests/unit/test_ply.c tests/unit/model_expect.h
 tests_unit_test_stl_SOURCES = tests/unit/test_stl.c tests/unit/model_expect.h
@@ -223,7 +225,7 @@ SCRIPT_TESTS = \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
-dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/http/soak tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/http/soak tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised
 dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
 	tests/clients/browser.py tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \
 	tests/http/contract_hooks.py tests/http/daemon.py tests/http/sandbox.py \

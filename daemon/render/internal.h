@@ -12,12 +12,15 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
+#define GLINT_ORDERED_LOG2 1 // film tiles along a block of a live job's first samples, log2
+
 // The samples being given out: [sample, sample + samples) of every pixel, in blocks of
 // 2^tiles_log2 film tiles a side.
 struct glint_pass_state {
     uint32_t sample, samples, tiles_log2;
     uint32_t blocks_wide, blocks_high, blocks; // of the whole film
-    uint32_t next;                             // block not given out yet
+    uint32_t start;                            // the block that is given out first
+    uint32_t next;                             // blocks given out, counted from there
     uint32_t done;                             // blocks given back
     uint32_t *redo; // [blocks of the finest pass]: returned without being run
     uint32_t redos;
@@ -50,6 +53,7 @@ struct glint_render {
     glint_film *film;
     glint_wave **wave;           // [workers], each made and used by its worker alone
     _Atomic(double) *tile_error; // [film tiles], sums over the pixels of v/(m^2+0.01)
+    uint32_t *order;             // of a live job: how blocks of GLINT_ORDERED_LOG2 go, or NULL
     atomic_bool interrupted;     // slices out are to be given up
     // Replaced under the mutex by whoever hands out slices, while none is out: it and the workers
     // that hold slices read it without.
@@ -104,6 +108,9 @@ uint64_t glint_render_pixels(const glint_render *r);
 // The passes, under the mutex. begin: with the samples from `sample` on; end: all blocks are back.
 void glint_pass_begin(glint_render *r, uint32_t sample);
 void glint_pass_end(glint_render *r);
+// Begins with the first sample again. A first pass that was cut off goes on where it was: with the
+// blocks that have waited for longest.
+void glint_pass_restart(glint_render *r);
 // Takes the decision of a job that stops by error, with the samples up to `end`: whether it does.
 bool glint_pass_stops(glint_render *r, uint32_t end);
 // The part of [start, start + size) that lies before `end`.

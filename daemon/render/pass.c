@@ -2,6 +2,7 @@
 #include "kernels/gk_film.h"
 #include "render/archive.h"
 #include "render/internal.h"
+#include "render/order.h"
 
 #include <math.h>
 
@@ -15,7 +16,7 @@ uint32_t glint_render_first(const glint_render *r)
 static uint32_t block_size(const struct glint_render *r, uint32_t samples)
 {
     if (samples == 1)
-        return r->job.live ? 1 : 2;
+        return r->job.live ? GLINT_ORDERED_LOG2 : 2;
     return samples <= 4 ? 1 : 0;
 }
 
@@ -26,7 +27,17 @@ static void lay_blocks(struct glint_render *r)
     p->blocks_wide = (r->job.region[2] + side - 1) / side;
     p->blocks_high = (r->job.region[3] + side - 1) / side;
     p->blocks = p->blocks_wide * p->blocks_high;
-    p->next = p->done = p->redos = 0;
+    p->start = p->next = p->done = p->redos = 0;
+}
+
+// A view may change so often that its first pass never ends.
+void glint_pass_restart(struct glint_render *r)
+{
+    struct glint_pass_state *p = &r->pass;
+    const bool cut_off = p->samples > 0 && p->sample == glint_render_first(r);
+    const uint32_t reached = (p->start + p->next - p->redos) % p->blocks;
+    glint_pass_begin(r, glint_render_first(r));
+    p->start = cut_off ? reached : 0;
 }
 
 void glint_pass_begin(struct glint_render *r, uint32_t sample)
@@ -39,15 +50,13 @@ void glint_pass_begin(struct glint_render *r, uint32_t sample)
     lay_blocks(r);
 }
 
-// Blocks go two by two: down, then to the right.
 static void block_place(const struct glint_render *r, uint32_t block, uint32_t *column,
                         uint32_t *row)
 {
     const struct glint_pass_state *p = &r->pass;
-    const uint32_t first = block / (2 * p->blocks_wide) * 2; // of a pair of rows
-    const uint32_t high = first + 1 < p->blocks_high ? 2 : 1, i = block - first * p->blocks_wide;
-    *column = i / high << p->tiles_log2;
-    *row = (first + i % high) << p->tiles_log2;
+    glint_order_place(p->blocks_wide, p->blocks_high, block, column, row);
+    *column <<= p->tiles_log2;
+    *row <<= p->tiles_log2;
 }
 
 uint32_t glint_pass_clip(uint32_t start, uint32_t size, uint32_t end)
@@ -70,13 +79,22 @@ static void slice_fill(const struct glint_render *r, uint32_t block, struct glin
     out->tiles_log2 = r->pass.tiles_log2;
 }
 
+static uint32_t next_block(struct glint_render *r)
+{
+    struct glint_pass_state *p = &r->pass;
+    if (p->redos > 0)
+        return p->redo[--p->redos];
+    const uint32_t next = (p->start + p->next++) % p->blocks;
+    return r->order && p->tiles_log2 == GLINT_ORDERED_LOG2 ? r->order[next] : next;
+}
+
 bool glint_render_take(glint_render *r, struct glint_slice *out)
 {
     pthread_mutex_lock(&r->mutex);
     struct glint_pass_state *p = &r->pass;
     const bool any = p->samples > 0 && (p->redos > 0 || p->next < p->blocks);
     if (any) {
-        slice_fill(r, p->redos > 0 ? p->redo[--p->redos] : p->next++, out);
+        slice_fill(r, next_block(r), out);
         uint32_t column, row;
         block_place(r, out->block, &column, &row);
         glint_film_hold(r->film, column, row, 1u << p->tiles_log2, 1u << p->tiles_log2);

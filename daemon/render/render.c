@@ -1,6 +1,7 @@
 // render.c - a render's life: made from a job, asked for slices, run by workers, asked how it is.
 #include "render/archive.h"
 #include "render/capture.h"
+#include "render/order.h"
 
 #include "base/clock.h"
 #include "kernels/gk_film.h"
@@ -21,6 +22,12 @@ static glint_status copy_job(struct glint_render *r, const struct glint_job *job
     return GLINT_OK;
 }
 
+static uint32_t blocks(uint32_t pixels)
+{
+    const uint32_t side = GK_TILE_SIDE << GLINT_ORDERED_LOG2;
+    return (pixels + side - 1) / side;
+}
+
 static glint_status prepare(struct glint_render *r, glint_resident *scene,
                             const struct glint_pose *pose, uint64_t force, struct glint_error *err)
 {
@@ -34,7 +41,9 @@ static glint_status prepare(struct glint_render *r, glint_resident *scene,
     r->wave = calloc(glint_devices_workers(r->devices), sizeof *r->wave);
     r->tile_error = calloc(tiles, sizeof *r->tile_error);
     r->pass.redo = calloc(tiles, sizeof *r->pass.redo);
-    if (!r->wave || !r->tile_error || !r->pass.redo)
+    if (r->job.live)
+        r->order = glint_order_create(blocks(r->job.region[2]), blocks(r->job.region[3]));
+    if (!r->wave || !r->tile_error || !r->pass.redo || (r->job.live && !r->order))
         return glint_fail(err, GLINT_E_NOMEM, "/resolution", "no memory for %zu tiles", tiles);
     r->target = glint_render_first(r) + r->job.stop.samples;
     glint_pass_begin(r, glint_render_first(r));
@@ -89,7 +98,7 @@ void glint_render_forget(glint_render *r)
     r->target = glint_render_first(r) + r->job.stop.samples;
     r->stopped = false;
     r->points = 0;
-    glint_pass_begin(r, glint_render_first(r));
+    glint_pass_restart(r);
 }
 
 void glint_render_interrupt(glint_render *r, bool on)
@@ -121,6 +130,7 @@ void glint_render_destroy(glint_render **render)
     glint_archive_close(&r->archive);
     free(r->tile_error);
     free(r->pass.redo);
+    free(r->order);
     glint_film_destroy(&r->film);
     glint_view_release(&r->view);
     free(r->name);
