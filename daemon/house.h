@@ -14,6 +14,7 @@
 #include "mirror.h"
 #include "scene/store.h"
 #include "settings.h"
+#include "warm.h"
 
 struct glint_house {
     struct glint_settings_source source;
@@ -31,6 +32,7 @@ struct glint_house {
     glint_jobs *jobs;
     glint_mirror *mirror;
     glint_http *http;
+    glint_warm *warm;
 };
 
 #endif

@@ -28,8 +28,6 @@ libglintdaemon_a_SOURCES = \
 	daemon/base/notify.h \
 	daemon/base/process.c \
 	daemon/base/process.h \
-	daemon/base/process.c \
-	daemon/base/process.h \
 	daemon/base/queue.c \
 	daemon/base/queue.h \
 	daemon/base/sha256.c \
@@ -49,6 +47,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/device/compiler.h \
 	daemon/device/device.c \
 	daemon/device/device.h \
+	daemon/device/foresee.c \
 	daemon/device/internal.h \
 	daemon/device/launch.c \
 	daemon/device/listing.c \
@@ -159,6 +158,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/render/camera.c \
 	daemon/render/capture.c \
 	daemon/render/capture.h \
+	daemon/render/common.c \
+	daemon/render/common.h \
 	daemon/render/effects.c \
 	daemon/render/effects.h \
 	daemon/render/estimate.c \
@@ -328,7 +329,9 @@ glintd_SOURCES = \
 	daemon/settings.c \
 	daemon/settings.h \
 	daemon/ticker.c \
-	daemon/ticker.h
+	daemon/ticker.h \
+	daemon/warm.c \
+	daemon/warm.h
 glintd_LDADD = $(DAEMON_LIBS)
 
 # Started by glintd: compiles kernels beside it.

@@ -96,6 +96,8 @@ static glint_status start_threads(struct glint_house *h, struct glint_error *err
     if (!st)
         st = glint_jobs_create(&h->jobs, h->devices, h->store, &h->settings.jobs, h->keeper, err);
     if (!st)
+        glint_jobs_set_checkpoint(h->jobs, h->settings.checkpoint_seconds);
+    if (!st)
         st = glint_store_begin(h->store, err); // once the jobs have said what they need
     if (!st)
         st = glint_mirror_create(&h->mirror, h->metrics, h->jobs, h->store, h->devices, err);
@@ -112,11 +114,14 @@ static glint_status start_threads(struct glint_house *h, struct glint_error *err
         st = glint_http_create(&h->http, &params, err);
     if (!st)
         h->listen_fd = -1;
+    if (!st)
+        st = glint_warm_start(&h->warm, h->devices, err);
     return st;
 }
 
 static void finish(struct glint_house *h)
 {
+    glint_warm_destroy(&h->warm);
     glint_http_destroy(&h->http);
     glint_jobs_destroy(&h->jobs);
     glint_store_destroy(&h->store);

@@ -19,6 +19,9 @@
 #define MOST_HELPERS 4
 #define MAX_LOG 16384
 
+// Of nice, that a helper lets others go first by.
+static char idle_steps[] = "10", no_steps[] = "0";
+
 extern char **environ;
 
 struct glint_ahead {
@@ -37,6 +40,7 @@ struct making {
     const char *key, *options;
     char folder[PATH_MAX];
     char part[MOST_HELPERS][PATH_MAX + 8];
+    bool idle;
     int failed, refuser; // helper that could not do its work; that found faults; -1: none
 };
 
@@ -107,6 +111,11 @@ void glint_ahead_destroy(glint_ahead **ahead)
     free(c);
 }
 
+const char *glint_ahead_cache(const glint_ahead *c)
+{
+    return c->cache;
+}
+
 // ---- one helper
 
 static char no_helper[] = "GLINT_KERNELS=";
@@ -150,7 +159,9 @@ static bool prepare_spawn(posix_spawnattr_t *attributes, posix_spawn_file_action
 static pid_t spawn(const glint_ahead *c, struct making *m, int index)
 {
     char cache[PATH_MAX + 32], log[PATH_MAX + 16];
-    char *const arguments[] = {c->helper, (char *)m->key, (char *)m->options, m->folder, NULL};
+    char *const arguments[] = {
+        c->helper, (char *)m->key, (char *)m->options, m->folder, m->idle ? idle_steps : no_steps,
+        NULL};
     posix_spawnattr_t attributes;
     posix_spawn_file_actions_t files;
     pid_t pid = 0;
@@ -299,7 +310,7 @@ static bool end_idle(glint_ahead *c)
 
 bool glint_ahead_idle(glint_ahead *c, const char *key, const char *options)
 {
-    struct making m = {.key = key, .options = options, .failed = -1, .refuser = -1};
+    struct making m = {.key = key, .options = options, .idle = true, .failed = -1, .refuser = -1};
     struct glint_error err = {0};
     pthread_mutex_lock(&c->one);
     bool whole = begin_idle(c, key);

@@ -28,6 +28,7 @@ typedef struct glint_ahead glint_ahead;
 glint_status glint_ahead_create(glint_ahead **out, const char *cache, const char *helper,
                                 struct glint_error *err);
 void glint_ahead_destroy(glint_ahead **ahead);
+const char *glint_ahead_cache(const glint_ahead *ahead);
 
 // Sees to it that the variant is in the cache, whole: returns at once where it is, else when it is
 // compiled. Whatever is compiled of another key in idle time is given up for it.

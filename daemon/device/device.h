@@ -49,6 +49,14 @@ glint_status glint_program_get(glint_program **out, glint_devices *devices, cons
                                struct glint_error *err);
 void glint_program_release(glint_program **program);
 
+// Compiles a variant for later, in idle time: given up as soon as anybody wants another that is not
+// compiled yet, or after glint_devices_hurry(). False: given up.
+bool glint_program_foresee(glint_devices *devices, const char *options);
+// The same for what other releases of these kernels were compiled to, here and not long ago; what
+// nobody has used for a month goes.
+bool glint_program_foresee_known(glint_devices *devices);
+void glint_devices_hurry(glint_devices *devices);
+
 // Page-aligned zeroed memory of `bytes`, visible to kernels as it is. GLINT_E_CAPACITY over 1 GiB.
 // Counted: retain and destroy by any thread, the last destroy frees.
 glint_status glint_buffer_create(glint_buffer **out, glint_devices *devices, size_t bytes,

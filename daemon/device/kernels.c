@@ -1,8 +1,9 @@
 // kernels.c - glint-kernels: compiles the kernels of one variant into PoCL's cache.
 //
-// glint-kernels KEY OPTIONS FOLDER: started by glintd, several at a time; each takes the kernels that
+// glint-kernels KEY OPTIONS FOLDER STEPS: started by glintd, several at a time; each takes the kernels that
 // no other has taken yet, which a file of that name in FOLDER says. KEY: the variant as glintd knows
-// it; another release's helper makes nothing that glintd would find, and says so.
+// it; another release's helper makes nothing that glintd would find, and says so. STEPS: of nice.
+#include "base/thread.h"
 #include "device/ahead.h"
 #include "device/internal.h"
 #include "device/program.h"
@@ -117,11 +118,12 @@ static int run(const char *key, const char *options, const char *folder, struct 
 int main(int argc, char **argv)
 {
     struct glint_error err = {0};
-    if (argc != 4) {
+    if (argc != 5) {
         fputs("glint-kernels is started by glintd\n", stderr);
         return 64;
     }
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    glint_thread_yield_to_others(atoi(argv[4]));
     const int code = run(argv[1], argv[2], argv[3], &err);
     if (code)
         fprintf(stderr, "%s\n", glint_error_text(&err));

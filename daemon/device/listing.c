@@ -2,6 +2,7 @@
 
 #include "base/sha256.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <ftw.h>
@@ -10,9 +11,12 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
+#define PREFIX "glint-"
 #define MAX_PATH 512
+#define MAX_OPTIONS 4096
 #define MAX_FILES 256
 
 static bool hash_file(const char *path, char hex[65])
@@ -40,7 +44,7 @@ static bool is_inside(const char *path)
 static FILE *open_listing(const char *cache, const char *key, const char *mode)
 {
     char path[MAX_PATH * 2];
-    snprintf(path, sizeof path, "%s/glint-%s", cache, key);
+    snprintf(path, sizeof path, "%s/" PREFIX "%s", cache, key);
     return fopen(path, mode);
 }
 
@@ -90,18 +94,60 @@ static void remove_listed(FILE *in, const char *cache)
 
 bool glint_listing_holds(const char *cache, const char *key)
 {
+    FILE *in = open_listing(cache, key, "re");
+    const bool whole = in && holds(in, cache);
+    if (whole)
+        futimens(fileno(in), NULL);
+    if (in)
+        fclose(in);
+    if (!whole)
+        glint_listing_remove(cache, key);
+    return whole;
+}
+
+void glint_listing_remove(const char *cache, const char *key)
+{
     char path[MAX_PATH * 2];
     FILE *in = open_listing(cache, key, "re");
     if (!in)
-        return false;
-    const bool whole = holds(in, cache);
-    if (!whole) {
-        remove_listed(in, cache);
-        snprintf(path, sizeof path, "%s/glint-%s", cache, key);
-        unlink(path);
-    }
+        return;
+    remove_listed(in, cache);
     fclose(in);
-    return whole;
+    snprintf(path, sizeof path, "%s/" PREFIX "%s", cache, key);
+    unlink(path);
+}
+
+// ---- all of them
+
+static bool is_key(const char *key)
+{
+    return strlen(key) == 64 && strspn(key, "0123456789abcdef") == 64;
+}
+
+static bool call_one(const char *cache, const char *key, glint_listing_fn *call, void *user)
+{
+    char options[MAX_OPTIONS];
+    struct stat s;
+    FILE *in = open_listing(cache, key, "re");
+    bool ok = in && !fstat(fileno(in), &s) && fgets(options, sizeof options, in);
+    if (in)
+        fclose(in);
+    char *end = ok ? strchr(options, '\n') : NULL;
+    if (!end)
+        return true;
+    *end = 0;
+    return call(user, key, options, difftime(time(NULL), s.st_mtime));
+}
+
+void glint_listing_each(const char *cache, glint_listing_fn *call, void *user)
+{
+    DIR *folder = opendir(cache);
+    bool more = folder != NULL;
+    for (const struct dirent *e; more && (e = readdir(folder));)
+        if (!strncmp(e->d_name, PREFIX, strlen(PREFIX)) && is_key(e->d_name + strlen(PREFIX)))
+            more = call_one(cache, e->d_name + strlen(PREFIX), call, user);
+    if (folder)
+        closedir(folder);
 }
 
 // ---- taking
@@ -182,8 +228,8 @@ bool glint_listing_take(const char *cache, const char *key, const char *options,
                         const char *const *made, int count)
 {
     char path[MAX_PATH * 2], fresh[MAX_PATH * 2];
-    snprintf(path, sizeof path, "%s/glint-%s", cache, key);
-    snprintf(fresh, sizeof fresh, "%s/glint-%s.%ld", cache, key, (long)getpid());
+    snprintf(path, sizeof path, "%s/" PREFIX "%s", cache, key);
+    snprintf(fresh, sizeof fresh, "%s/" PREFIX "%s.%ld", cache, key, (long)getpid());
     FILE *list = fopen(fresh, "we");
     if (!list)
         return false;

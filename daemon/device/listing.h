@@ -10,8 +10,15 @@
 
 #include <stdbool.h>
 
-// Whether all of it is there, byte by byte. Where not, what is left of it is removed.
+// Whether all of it is there, byte by byte: then it counts as used now. Where not, what is left of it
+// is removed.
 bool glint_listing_holds(const char *cache, const char *key);
+void glint_listing_remove(const char *cache, const char *key);
+
+// Calls for each listing of the cache, until the answer is false. unused: seconds since its last
+// use.
+typedef bool glint_listing_fn(void *user, const char *key, const char *options, double unused);
+void glint_listing_each(const char *cache, glint_listing_fn *call, void *user);
 
 // Moves what is below `made`, a folder of the same file system, into the cache, over what is there,
 // and lists it. False: it could not be written; nothing is listed.

@@ -20,8 +20,8 @@
 
 #define MAX_LOG 16384
 
-static bool make_key(char key[65], const glint_devices *devices, const char *source,
-                     const char *options)
+bool glint_program_key_of(char key[65], const glint_devices *devices, const char *source,
+                          const char *options)
 {
     const char *part[] = {source, options, COMMON_OPTIONS, devices->name, devices->version};
     unsigned char digest[32];
@@ -173,7 +173,7 @@ glint_status glint_program_build(glint_program **out, glint_devices *devices, co
     char key[65];
     assert(out && devices && source && options);
     *out = NULL;
-    if (!make_key(key, devices, source, options))
+    if (!glint_program_key_of(key, devices, source, options))
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a program's key");
     *out = look_up(devices, key);
     return *out ? GLINT_OK : load(out, devices, key, source, options, err);
@@ -186,7 +186,7 @@ glint_status glint_program_get(glint_program **out, glint_devices *devices, cons
     char key[65];
     assert(out && devices && options);
     *out = NULL;
-    if (!make_key(key, devices, devices->source, options))
+    if (!glint_program_key_of(key, devices, devices->source, options))
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a program's key");
     *out = look_up(devices, key);
     if (*out)

@@ -15,6 +15,10 @@ glint_status glint_source_expand(char **out, const struct glint_source *table,
 glint_status glint_program_build(glint_program **out, glint_devices *devices, const char *source,
                                  const char *options, struct glint_error *err);
 
+// The key that a program of these would have. False: no memory.
+bool glint_program_key_of(char key[65], const glint_devices *devices, const char *source,
+                          const char *options);
+
 // SHA-256 in hex of source, options, device and driver; lives as long as the program.
 const char *glint_program_key(const glint_program *program);
 

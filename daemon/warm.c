@@ -1,0 +1,51 @@
+#include "warm.h"
+
+#include "base/thread.h"
+#include "render/common.h"
+#include "scene/energy.h"
+
+#include <stdlib.h>
+
+#define USUAL_IOR 1.5f
+
+struct glint_warm {
+    glint_devices *devices;
+    pthread_t thread;
+};
+
+static void *run(void *arg)
+{
+    const glint_warm *w = arg;
+    char options[GLINT_COMMON_OPTIONS];
+    glint_energy_white();
+    glint_energy_glass(USUAL_IOR);
+    bool idle = glint_program_foresee_known(w->devices);
+    for (size_t i = 0; idle && i < glint_common_variant(i, options); i++)
+        idle = glint_program_foresee(w->devices, options);
+    return NULL;
+}
+
+glint_status glint_warm_start(glint_warm **out, glint_devices *devices, struct glint_error *err)
+{
+    *out = malloc(sizeof **out);
+    if (!*out)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory to foresee anything");
+    (*out)->devices = devices;
+    const glint_status st = glint_thread_start(&(*out)->thread, "warm", run, *out, err);
+    if (st) {
+        free(*out);
+        *out = NULL;
+    }
+    return st;
+}
+
+void glint_warm_destroy(glint_warm **warm)
+{
+    glint_warm *w = *warm;
+    *warm = NULL;
+    if (!w)
+        return;
+    glint_devices_hurry(w->devices);
+    pthread_join(w->thread, NULL);
+    free(w);
+}
