@@ -26,7 +26,7 @@
 // thread.
 #define MOST_CONNECTIONS (LIBRARY_THREADS * 131072u)
 #define FRAME_BYTES ((size_t)256 << 20)
-#define PING_ROUND_SECONDS 1.0
+#define CARE_SECONDS 0.2    // between looks after streams
 #define TILE_SECONDS 0.0005 // of sending tiles in one round, of which there are up to 500 a second
 #define CONNECTION_BYTES ((size_t)65536) // a request's header has to fit
 
@@ -90,10 +90,10 @@ static void round_of_watch(void *user)
         glint_watch_wake(h->watch);
     if (glint_http_draining(h))
         glint_streams_wake_all(h);
-    if (glint_now() < h->pinged_at + PING_ROUND_SECONDS)
+    if (glint_now() < h->cared_at + CARE_SECONDS)
         return;
     glint_streams_look_after(h);
-    h->pinged_at = glint_now();
+    h->cared_at = glint_now();
 }
 
 static void on_connection(void *user, struct MHD_Connection *connection, void **client,

@@ -31,6 +31,7 @@ struct glint_http_limits {
                            // are answered 503
     double header_seconds; // for a request's header to be complete, 0: 10
     double idle_seconds;   // without a byte either way, 0: 60
+    double ping_seconds;   // of silence until a client of events is sent a comment, 0: 15
 };
 
 struct glint_http_params {

@@ -16,6 +16,8 @@ static void fill(struct glint_http_limits *l)
         l->header_seconds = 10;
     if (!(l->idle_seconds > 0))
         l->idle_seconds = 60;
+    if (!(l->ping_seconds > 0))
+        l->ping_seconds = 15;
 }
 
 void glint_http_set_limits(glint_http *http, const struct glint_http_limits *limits)

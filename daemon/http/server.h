@@ -55,7 +55,7 @@ struct glint_http {
     atomic_uint readers; // streams and parked requests; changed before a reader looks at its job
     // When the next round's news began, on the clock of events' ids; 0: there are none.
     _Atomic uint64_t cause_us;
-    double pinged_at;                           // the watcher's
+    double cared_at;                            // the watcher's
     _Atomic uint64_t tiles_sent, tiles_skipped; // relaxed: they are only shown
 
     pthread_mutex_t mutex; // guards these; nothing is called under it

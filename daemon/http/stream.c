@@ -13,8 +13,7 @@
 #include <sys/uio.h>
 
 #define BLOCK_BYTES 4096 // for clients that cannot take chunks; to others the library sends more
-#define PING_SECONDS 15.0
-#define MOST_PARTS 16 // for one client before it is the next one's turn
+#define MOST_PARTS 16    // for one client before it is the next one's turn
 // What the kernel keeps for a slow reader is old by the time it is read.
 #define SOCKET_BYTES (64 * 1024)
 
@@ -262,7 +261,7 @@ static bool link_stream(struct glint_stream *s)
     pthread_mutex_lock(&h->lists);
     for (int k = 0; k < GLINT_STREAM_KINDS; k++)
         count += h->streams[k].count;
-    const bool room = count < h->limits.streams && !glint_http_draining(h);
+    const bool room = count < glint_http_limits(h).streams && !glint_http_draining(h);
     if (room) {
         atomic_fetch_add(&h->readers, 1);
         append(s);
@@ -431,9 +430,10 @@ void glint_streams_abort(glint_http *http)
 
 static void look_after(struct glint_stream *s, double now)
 {
-    if (s->blocked && now > s->since + s->http->limits.idle_seconds) {
+    if (s->blocked && now > s->since + glint_http_limits(s->http).idle_seconds) {
         abort_stream(s, now);
-    } else if (!s->blocked && !s->part && s->ping && now > s->since + PING_SECONDS) {
+    } else if (!s->blocked && !s->part && s->ping &&
+               now > s->since + glint_http_limits(s->http).ping_seconds) {
         uint8_t *text = (uint8_t *)strdup(s->ping);
         s->part = text ? glint_blob_take(text, strlen(s->ping)) : NULL;
         wake(s, now);

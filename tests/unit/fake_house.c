@@ -254,8 +254,12 @@ glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_
     if (st)
         glint_fail(err, st, "", "no pixels of job \"%.64s\"", id);
     else
-        *out =
-            (struct glint_job_view){&job->render, job->state, job->job, "fake", job->sequence, job};
+        *out = (struct glint_job_view){.render = &job->render,
+                                       .state = job->state,
+                                       .job = job->job,
+                                       .revision = "fake",
+                                       .sequence = job->sequence,
+                                       .hold = job};
     pthread_mutex_unlock(&jobs->mutex);
     return st;
 }
