@@ -73,7 +73,8 @@ static glint_status recall(glint_scheduler *s, struct glint_command *c)
     struct glint_entry *e = c->entry;
     const bool lives = !glint_state_ended(e->state);
     if (lives && s->lives == GLINT_MAX_LIVE_JOBS)
-        return glint_fail(c->err, GLINT_E_CAPACITY, "", "%zu jobs wait or render already", s->lives);
+        return glint_fail(c->err, GLINT_E_CAPACITY, "", "%zu jobs wait or render already",
+                          s->lives);
     const bool entered = !lives || glint_turn_enter(&s->accounts, e, e->priority);
     if (!entered || !glint_job_table_add(s->table, e)) {
         glint_turn_leave(&s->accounts, e);
@@ -138,21 +139,38 @@ static bool same_stop(const struct glint_job_stop *a, const struct glint_job_sto
     return a->samples == b->samples && a->seconds == b->seconds && a->error == b->error;
 }
 
-// Has the film stop at `stop`, or later at the error that it may reach. What has no film yet is
-// told when it is made.
-static glint_status extend(struct glint_entry *e, const struct glint_job_stop *stop,
-                           struct glint_error *err)
+// Of its film, in memory or on the disk.
+static uint32_t samples_of(glint_scheduler *s, const struct glint_entry *e)
 {
-    if (!e->render || (stop->samples == e->stop.samples && stop->error == e->stop.error) ||
-        glint_render_extend(e->render, stop->samples, stop->error))
-        return GLINT_OK;
     struct glint_render_state now;
-    glint_render_state(e->render, &now);
-    return now.samples > stop->samples
-               ? glint_fail(err, GLINT_E_CONFLICT, "/stop/samples",
-                            "the job has %u samples already, %u would be fewer", now.samples,
-                            stop->samples)
-               : glint_fail(err, GLINT_E_CONFLICT, "/stop", "this film takes no other samples");
+    if (e->render) {
+        glint_render_state(e->render, &now);
+        return now.samples;
+    }
+    pthread_mutex_lock(&s->table->mutex);
+    const uint32_t kept = e->kept.film ? e->kept.rendered.samples : 0;
+    pthread_mutex_unlock(&s->table->mutex);
+    return kept;
+}
+
+// Has the film stop at `stop`, or later at the error that it may reach. What is not in memory is
+// told when it is.
+static glint_status extend(glint_scheduler *s, struct glint_entry *e,
+                           const struct glint_job_stop *stop, struct glint_error *err)
+{
+    if (stop->samples == e->stop.samples && stop->error == e->stop.error)
+        return GLINT_OK;
+    const uint32_t samples = samples_of(s, e);
+    if (samples > stop->samples)
+        return glint_fail(err, GLINT_E_CONFLICT, "/stop/samples",
+                          "the job has %u samples already, %u would be fewer", samples,
+                          stop->samples);
+    if (!e->render || glint_render_extend(e->render, stop->samples, stop->error))
+        return GLINT_OK;
+    return e->job->sample_range[1]
+               ? glint_fail(err, GLINT_E_CONFLICT, "/stop", "the job renders a range of samples")
+               : glint_fail(err, GLINT_E_CONFLICT, "/stop/samples",
+                            "samples past %u are being taken", stop->samples);
 }
 
 static bool has_time(const struct glint_entry *e, const struct glint_job_stop *stop)
@@ -160,9 +178,10 @@ static bool has_time(const struct glint_entry *e, const struct glint_job_stop *s
     return stop->seconds <= 0 || stop->seconds > e->render_seconds;
 }
 
-static bool is_complete(const struct glint_entry *e)
+static bool is_complete(glint_scheduler *s, const struct glint_entry *e,
+                        const struct glint_job_stop *stop)
 {
-    return e->render && glint_render_complete(e->render);
+    return e->render ? glint_render_complete(e->render) : samples_of(s, e) >= stop->samples;
 }
 
 // An ended job goes on where it stopped.
@@ -172,20 +191,22 @@ static void resume(glint_scheduler *s, struct glint_entry *e)
     atomic_store_explicit(&e->abandoned, false, memory_order_relaxed);
     if (e->render)
         glint_render_interrupt(e->render, false);
+    else
+        e->began = false; // it is prepared again, with what it has rendered
     s->live[s->lives++] = e;
     glint_scheduler_enter(s, e, e->began ? GLINT_JOB_RENDERING : GLINT_JOB_QUEUED);
     glint_turn_join(s->live, s->lives, e);
 }
 
-static glint_status may_resume(const glint_scheduler *s, struct glint_entry *e,
+static glint_status may_resume(glint_scheduler *s, struct glint_entry *e,
                                const struct glint_job_stop *stop, struct glint_error *err)
 {
     if (s->stopping || s->lives >= s->table->limits.live_jobs)
         return glint_fail(err, GLINT_E_BUSY, "", "no more jobs can render now");
-    const glint_status st = has_time(e, stop) ? extend(e, stop, err) : GLINT_OK;
+    const glint_status st = has_time(e, stop) ? extend(s, e, stop, err) : GLINT_OK;
     if (st)
         return st;
-    if (has_time(e, stop) && !is_complete(e))
+    if (has_time(e, stop) && !is_complete(s, e, stop))
         return GLINT_OK;
     return glint_fail(err, GLINT_E_CONFLICT, "", "the job is %s and has no more to render",
                       glint_job_state_name(e->state));
@@ -219,7 +240,7 @@ static glint_status patch_ended(glint_scheduler *s, struct glint_command *c)
 static void set_stop(glint_scheduler *s, struct glint_entry *e, const struct glint_job_stop *stop)
 {
     glint_state_stop(s->table, e, stop);
-    if (e->idle && has_time(e, stop) && !is_complete(e))
+    if (e->idle && has_time(e, stop) && !is_complete(s, e, stop))
         glint_state_idle(s->table, e, false);
 }
 
@@ -234,7 +255,7 @@ static glint_status patch(glint_scheduler *s, struct glint_command *c)
         return glint_fail(c->err, GLINT_E_CONFLICT, "", "the job is about to be %s",
                           glint_job_state_name(e->end));
     const struct glint_job_stop stop = glint_job_patch_stop(&c->patch, &e->stop);
-    glint_status st = extend(e, &stop, c->err);
+    glint_status st = extend(s, e, &stop, c->err);
     if (!st && c->patch.has_priority)
         st = set_priority(s, e, c->patch.priority, c->err);
     if (st)

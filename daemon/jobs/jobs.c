@@ -349,6 +349,19 @@ static void note_patched(glint_jobs *jobs, const char *id)
     glint_entry_release(&entry);
 }
 
+// A job that ended before a restart needs its scene again to go on.
+static glint_status load_scene(glint_jobs *jobs, const char *id, struct glint_error *err)
+{
+    struct glint_entry *entry = glint_job_table_hold(&jobs->table, id, err);
+    if (!entry)
+        return GLINT_E_NOT_FOUND;
+    glint_revision *revision = hold_revision(jobs, entry);
+    const glint_status st = glint_revision_load(revision, err);
+    glint_revision_release(&revision);
+    glint_entry_release(&entry);
+    return st;
+}
+
 glint_status glint_jobs_patch(glint_jobs *jobs, const char *id, const char *text, size_t length,
                               struct glint_error *err)
 {
@@ -356,6 +369,8 @@ glint_status glint_jobs_patch(glint_jobs *jobs, const char *id, const char *text
     glint_status st = glint_job_patch_parse(&c.patch, text, length, err);
     if (!st && c.patch.look)
         st = check_look(jobs, id, c.patch.look, err);
+    if (!st && glint_job_patch_stops(&c.patch))
+        st = load_scene(jobs, id, err);
     if (!st)
         st = command(jobs, id, &c);
     glint_job_patch_finish(&c.patch);
@@ -368,11 +383,17 @@ glint_status glint_jobs_patch(glint_jobs *jobs, const char *id, const char *text
 static glint_status open_view(struct glint_entry *entry, struct glint_job_view *out,
                               struct glint_error *err)
 {
-    const glint_status st = glint_checkpoint_open(entry, &out->render, err);
+    struct glint_error why = {0};
+    glint_checkpoint_open(entry, &out->render, &why);
+    const glint_status st = why.status;
     out->opened = out->render != NULL;
-    if (st || out->render || glint_state_ended(out->state))
-        return st;
-    return glint_fail(err, GLINT_E_BUSY, "", "the job is still being prepared");
+    if (st && glint_state_ended(out->state))
+        glint_fail(err, GLINT_E_IO, "", "its film cannot be read: %s", glint_error_text(&why));
+    glint_error_finish(&why);
+    if (glint_state_ended(out->state))
+        return st ? GLINT_E_IO : GLINT_OK;
+    return out->render ? GLINT_OK
+                       : glint_fail(err, GLINT_E_BUSY, "", "the job is still being prepared");
 }
 
 glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_view *out,

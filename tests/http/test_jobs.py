@@ -4,6 +4,7 @@ import threading
 
 import tap
 from daemon import ROOM, Daemon
+from lasting import Lasting
 
 EXR_MAGIC = b"\x76\x2f\x31\x01"
 PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
@@ -180,6 +181,34 @@ def test_a_cancelled_job_goes_on_to_the_bytes_of_one_run():
         assert patch(daemon, job, {"stop": more}).status == 200
         whole = daemon.submit(scene="room", stop=more, seed=5)
         assert daemon.frame(job) == daemon.frame(whole)
+
+
+def test_a_finished_job_goes_on_after_a_restart():
+    with Lasting() as daemon:
+        daemon.put("room", ROOM)
+        whole = daemon.frame(daemon.submit(scene="room", stop={"samples": 40}, seed=3))
+        job = daemon.submit(scene="room", stop={"samples": 7}, seed=3)
+        daemon.frame(job)
+        rays = daemon.job(job)["rays"]["camera"]
+        daemon.kill()
+        daemon.start()
+        assert patch(daemon, job, {"stop": {"samples": 5}}).status == 409
+        assert patch(daemon, job, {"stop": {"samples": 40}}).status == 200
+        assert daemon.frame(job) == whole
+        assert daemon.job(job)["rays"]["camera"] > rays
+
+
+def test_a_finished_job_whose_scene_is_gone_stays_finished():
+    with Lasting() as daemon:
+        daemon.put("room", ROOM)
+        job = daemon.submit(scene="room", stop={"samples": 4})
+        frame = daemon.frame(job)
+        assert daemon.delete("/v1/scenes/room").status == 204
+        daemon.stop()
+        daemon.start()
+        answer = patch(daemon, job, {"stop": {"samples": 8}})
+        assert answer.status == 409, answer.body
+        assert daemon.job(job)["state"] == "done" and daemon.frame(job) == frame
 
 
 def test_who_is_preempted_goes_on_to_the_same_bytes():
