@@ -272,10 +272,11 @@ const struct glint_command glint_command_recolor = {
     .name = "recolor",
     .operands = "FRAME|JOB",
     .summary = "Give what a matte names another colour",
-    .detail = "FRAME is an EXR file with Cryptomatte layers, of glint or another renderer; JOB a\n"
-              "job whose frame is downloaded. Hue and saturation become the new colour's, the\n"
-              "light that falls on the surface stays, and so do edges. With albedo channels in\n"
-              "the picture the old colour is known from them; without, brightness is kept.",
+    .detail = "FRAME is an EXR file with Cryptomatte layers, of glint or another renderer; JOB\n"
+              "a job whose frame is downloaded. Hue and saturation become the new colour's,\n"
+              "the light that falls on the surface stays, and so do edges. With albedo\n"
+              "channels in the picture the old colour is known from them; without,\n"
+              "brightness is kept.",
     .options = options,
     .least = 1,
     .most = 1,

@@ -95,6 +95,21 @@ ask -o frame24.exr "$job/frame.exr?wait=done"
 ask "$job" >job24.json
 expect "$(member samples <job24.json)" 24
 
+step 'Split a frame over machines: films of sample ranges add up to the frame of one run'
+# Each half could be rendered by another daemon that has the scene. Regions split a frame as well.
+half() {
+    ask -d '{"scene": "stage", "resolution": [160, 90],
+             "sample_range": ['"$1"']}' -H 'Content-Type: application/json' "$server/v1/jobs"
+}
+first=$server/v1/jobs/$(half '0, 8' | member id)
+second=$server/v1/jobs/$(half '8, 16' | member id)
+ask -o first.film "$first/film?wait=done"
+ask -o second.film "$second/film?wait=done"
+# Films are added by the client: no daemon is needed for it.
+if command -v glint >/dev/null; then
+    glint merge first.film second.film -o merged.exr
+fi
+
 step 'Edit the scene: a merge patch; only what it touches is built anew'
 # If-Match: only if nobody else was faster. null removes a member.
 ask -X PATCH -d '{"materials": {"gold": {"roughness": 0.6}}, "lights": {"sun": null}}' \

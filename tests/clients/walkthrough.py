@@ -33,8 +33,10 @@ def walk(check):
     """Runs the script to its end and lets `check` look at what it left."""
     tap.tool("curl")
     with Daemon() as daemon, tempfile.TemporaryDirectory() as folder:
+        path = os.path.dirname(tap.build("glint")) + os.pathsep + os.environ["PATH"]
         run = subprocess.run(["sh", SCRIPT, daemon.url], cwd=folder, capture_output=True,
-                             text=True, timeout=300, check=False)
+                             text=True, timeout=300, check=False,
+                             env={**os.environ, "PATH": path})
         assert run.returncode == 0, run.stdout + run.stderr
         check(Walk(folder, run.stdout), daemon)
 
@@ -49,7 +51,7 @@ def check_steps(walked):
 def check_pictures(walked):
     exr, png = b"\x76\x2f\x31\x01", b"\x89PNG"
     for name, magic in [("frame.exr", exr), ("beauty.exr", exr), ("frame24.exr", exr),
-                        ("matte.exr", exr), ("frame.png", png), ("matte.png", png),
+                        ("matte.exr", exr), ("merged.exr", exr), ("frame.png", png), ("matte.png", png),
                         ("live1.png", png), ("live2.png", png)]:
         assert walked.read(name).startswith(magic), name
     assert len(walked.read("beauty.exr")) < len(walked.read("frame.exr"))
