@@ -45,6 +45,7 @@ static void apply(struct glint_house *h, struct glint_settings *settings)
     h->settings = *settings;
     glint_log_filter(h->settings.log_level, h->settings.debug);
     glint_jobs_set_limits(h->jobs, &h->settings.jobs);
+    glint_jobs_set_checkpoint(h->jobs, h->settings.checkpoint_seconds);
     glint_http_set_limits(h->http, &h->settings.http);
 }
 
@@ -176,6 +177,8 @@ void glint_serve(struct glint_house *h)
     while (sigwait(&heeded, &signal) || (signal != SIGTERM && signal != SIGINT))
         if (signal == SIGHUP)
             reload(h);
+        else if (signal == SIGUSR1)
+            glint_jobs_checkpoint(h->jobs);
     glint_log(GLINT_LOG_INFO, "main", NULL, NULL, "signal %d: ending", signal);
     drain(h);
 }

@@ -205,7 +205,7 @@ static glint_status set_defaults(struct glint_settings *s, struct glint_error *e
 {
     *s = (struct glint_settings){.log_format = GLINT_LOG_AUTO,
                                  .log_level = GLINT_LOG_INFO,
-                                 .checkpoint_seconds = 10,
+                                 .checkpoint_seconds = 30,
                                  .drain_seconds = 10};
     return set_text(&s->listen, "127.0.0.1:7745")
                ? GLINT_OK

@@ -131,15 +131,16 @@ glint_status glint_job_row_add(glint_journal *journal, const struct glint_entry 
     const struct glint_statement row = {
         .sql =
             "INSERT INTO job(id, text, scene, revision, client, request, key, created, accepted, "
-            "film_bytes, warnings, state) VALUES(?,?,?,?,?,?,?,?,?,?,?,?)",
+            "film_bytes, scene_bytes, warnings, state) VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?)",
         .value = {glint_value_text(e->id), glint_value_text(e->text),
                   glint_value_text(e->job->scene), glint_value_text(glint_revision_id(e->revision)),
                   glint_value_text(e->client), glint_value_text(e->request),
                   glint_value_text(e->key), glint_value_text(e->created),
                   glint_value_real(seconds_since_1970()),
-                  glint_value_integer((int64_t)e->need.film), glint_value_text(warnings),
+                  glint_value_integer((int64_t)e->need.film),
+                  glint_value_integer((int64_t)e->need.scene), glint_value_text(warnings),
                   glint_value_text(glint_job_state_name(GLINT_JOB_QUEUED))},
-        .values = 12};
+        .values = 13};
     const glint_status st = glint_journal_commit(journal, &row, 1, err);
     free(warnings);
     return st;
@@ -245,7 +246,8 @@ static void take(void *user, const struct glint_row *row)
                                 .rendered = text(row, 16),
                                 .sequence = (uint64_t)glint_row_integer(row, 17),
                                 .film = (uint64_t)glint_row_integer(row, 18),
-                                .film_before = (uint64_t)glint_row_integer(row, 19)};
+                                .film_before = (uint64_t)glint_row_integer(row, 19),
+                                .scene_bytes = (uint64_t)glint_row_integer(row, 20)};
     if (is_whole(r))
         rows->count++;
     else
@@ -260,7 +262,7 @@ glint_status glint_job_rows_read(glint_journal *journal, struct glint_job_row **
         .sql =
             "SELECT id, text, scene, revision, client, request, key, created, accepted, "
             "film_bytes, warnings, state, cancelled, changes, seconds, worker_seconds, rendered, "
-            "sequence, film, film_before FROM job ORDER BY number"};
+            "sequence, film, film_before, scene_bytes FROM job ORDER BY number"};
     glint_status st = glint_journal_read(journal, &all, take, &rows, err);
     if (!st && rows.failed)
         st = glint_fail(err, GLINT_E_NOMEM, "", "no memory for the jobs");

@@ -39,7 +39,7 @@ struct glint_job_row {
     char *id, *text, *scene, *revision, *client, *request, *key, *created, *warnings, *state;
     char *changes, *rendered;
     double accepted, seconds, worker_seconds;
-    uint64_t film_bytes, sequence, film, film_before;
+    uint64_t film_bytes, scene_bytes, sequence, film, film_before;
     bool cancelled;
 };
 // All, in order of submission, in a malloc'd array.

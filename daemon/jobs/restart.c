@@ -86,6 +86,7 @@ static void recall_progress(struct glint_entry *e, const struct glint_job_row *r
     e->worker_seconds = fmax(row->worker_seconds, 0);
     e->sequence = row->sequence + 1;
     e->need.film = row->film_bytes;
+    e->need.scene = row->scene_bytes;
     e->kept.film = row->film;
     e->kept.film_before = row->film_before;
     e->kept.at = glint_now();
