@@ -324,6 +324,42 @@ def test_without_a_watchdog_nothing_is_told():
         assert not any("WATCHDOG" in message for message in manager.rest())
 
 
+def films(daemon):
+    """Files of films in the state folder that are whole."""
+    folder = os.path.join(daemon.state, "films")
+    return [name for name in os.listdir(folder) if re.fullmatch(r"[0-9a-f]+\.\d+", name)]
+
+
+def test_sigusr1_has_films_written_now():
+    with Daemon("--threads", "1", "--checkpoint-seconds", "86400") as daemon:
+        daemon.put("room", ROOM)
+        job = daemon.submit(scene="room", stop={"samples": 100000})
+        daemon.until(job, lambda data: data["samples"] > 0)
+        assert films(daemon) == []
+        daemon.process.send_signal(signal.SIGUSR1)
+        end = time.monotonic() + PATIENCE
+        while not films(daemon):
+            assert time.monotonic() < end, "no film"
+            time.sleep(0.01)
+        assert films(daemon)[0].startswith(job)
+        assert daemon.job(job)["state"] == "rendering"
+
+
+def test_what_renders_when_it_is_told_to_end_goes_on_when_it_is_started_again():
+    with tempfile.TemporaryDirectory() as state:
+        def start():
+            return Daemon("--threads", "1", "--state", state, "--checkpoint-seconds", "86400")
+        with start() as daemon:
+            daemon.put("room", ROOM)
+            job = daemon.submit(scene="room", stop={"samples": 100000})
+            reached = daemon.until(job, lambda data: data["samples"] > 3)["samples"]
+        with start() as daemon:
+            found = daemon.job(job)
+            assert found["state"] in ("queued", "rendering"), found
+            daemon.until(job, lambda data: data["samples"] >= reached)
+            assert daemon.ask("DELETE", f"/v1/jobs/{job}").status == 202
+
+
 def test_a_stream_that_is_open_ends_well_when_it_drains():
     with Daemon("--threads", "1") as daemon:
         daemon.put("room", ROOM)
