@@ -17,6 +17,7 @@ static void *run(void *arg)
 {
     const glint_warm *w = arg;
     char options[GLINT_COMMON_OPTIONS];
+    glint_program_recall(w->devices);
     glint_energy_white();
     glint_energy_glass(USUAL_IOR);
     bool idle = glint_program_foresee_known(w->devices);

@@ -13,6 +13,7 @@
 struct known {
     char key[65];
     char *options;
+    double unused; // seconds
 };
 
 struct all_known {
@@ -38,6 +39,7 @@ static bool note(void *user, const char *key, const char *options, double unused
     struct known *k = &all->known[all->count];
     k->options = strdup(options);
     memcpy(k->key, key, sizeof k->key);
+    k->unused = unused;
     all->count += k->options != NULL;
     return all->count < MOST_KNOWN;
 }
@@ -45,30 +47,58 @@ static bool note(void *user, const char *key, const char *options, double unused
 // What it is compiled to by this release takes the place of what it was.
 static bool renew(glint_devices *devices, const char *cache, const struct known *k)
 {
-    char key[65];
-    if (!glint_program_key_of(key, devices, devices->source, k->options) || !strcmp(key, k->key))
-        return true;
-    if (!glint_ahead_idle(devices->ahead, key, k->options))
+    if (!glint_program_foresee(devices, k->options))
         return false;
     glint_listing_remove(cache, k->key);
     return true;
 }
 
+// NULL where there is nothing or no memory.
+static struct all_known *read_known(glint_devices *devices)
+{
+    struct all_known *all = devices->ahead ? calloc(1, sizeof *all) : NULL;
+    if (all) {
+        all->cache = glint_ahead_cache(devices->ahead);
+        glint_listing_each(all->cache, note, all);
+    }
+    return all;
+}
+
+static void forget(struct all_known *all)
+{
+    for (size_t i = 0; i < all->count; i++)
+        free(all->known[i].options);
+    free(all);
+}
+
+static bool is_ours(const glint_devices *devices, const struct known *k)
+{
+    char key[65];
+    return glint_program_key_of(key, devices, devices->source, k->options) && !strcmp(key, k->key);
+}
+
+void glint_program_recall(glint_devices *devices)
+{
+    glint_program *program;
+    const struct known *newest = NULL;
+    struct all_known *all = read_known(devices);
+    for (size_t i = 0; all && i < all->count; i++)
+        if (is_ours(devices, &all->known[i]) && (!newest || all->known[i].unused < newest->unused))
+            newest = &all->known[i];
+    if (newest && !glint_program_get(&program, devices, newest->options, NULL))
+        glint_program_release(&program);
+    if (all)
+        forget(all);
+}
+
 bool glint_program_foresee_known(glint_devices *devices)
 {
-    if (!devices->ahead)
-        return true;
-    struct all_known *all = calloc(1, sizeof *all);
-    bool more = all != NULL;
-    if (!all)
-        return false;
-    all->cache = glint_ahead_cache(devices->ahead);
-    glint_listing_each(all->cache, note, all);
-    for (size_t i = 0; i < all->count; i++) {
-        more = more && renew(devices, all->cache, &all->known[i]);
-        free(all->known[i].options);
-    }
-    free(all);
+    struct all_known *all = read_known(devices);
+    bool more = true;
+    for (size_t i = 0; all && more && i < all->count; i++)
+        more = is_ours(devices, &all->known[i]) || renew(devices, all->cache, &all->known[i]);
+    if (all)
+        forget(all);
     return more;
 }
 

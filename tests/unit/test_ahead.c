@@ -6,6 +6,7 @@
 #include "device/listing.h"
 #include "device/program.h"
 
+#include <fcntl.h>
 #include <ftw.h>
 #include <pthread.h>
 #include <setjmp.h>
@@ -143,6 +144,45 @@ static void a_listing_cannot_name_what_is_outside(void **state)
         assert_int_equal(access(victim, F_OK), 0);
     }
     assert_false(glint_listing_holds(cache, OTHER));
+}
+
+struct seen {
+    int count;
+    char options[64];
+    double unused;
+};
+
+static bool see(void *user, const char *key, const char *options, double unused)
+{
+    struct seen *seen = user;
+    assert_string_equal(key, KEY);
+    snprintf(seen->options, sizeof seen->options, "%s", options);
+    seen->unused = unused;
+    seen->count++;
+    return true;
+}
+
+static void listings_tell_what_for_and_since_when(void **state)
+{
+    (void)state;
+    struct seen seen = {0};
+    const struct timespec long_ago[2] = {{1000, 0}, {1000, 0}};
+    glint_ahead *ahead = open_ahead();
+    assert_int_equal(glint_ahead_compile(ahead, KEY, "-DA -DB", NULL), GLINT_OK);
+    write_file(in_cache("glint-short"), "-DC\n");
+    assert_int_equal(utimensat(AT_FDCWD, in_cache("glint-" KEY), long_ago, 0), 0);
+    glint_listing_each(cache, see, &seen);
+    assert_int_equal(seen.count, 1);
+    assert_string_equal(seen.options, "-DA -DB");
+    assert_true(seen.unused > 1e9);
+    assert_int_equal(glint_ahead_compile(ahead, KEY, "-DA -DB", NULL), GLINT_OK); // used now
+    glint_listing_each(cache, see, &seen);
+    assert_true(seen.unused < 1e6);
+    glint_listing_remove(cache, KEY);
+    glint_listing_each(cache, see, &seen);
+    assert_int_equal(seen.count, 2);
+    assert_int_not_equal(access(in_cache("AA/BB/kernel.so"), F_OK), 0);
+    glint_ahead_destroy(&ahead);
 }
 
 static void faults_in_kernels_are_told(void **state)
@@ -320,6 +360,7 @@ int main(void)
         FRESH(what_is_compiled_is_used_as_it_is),
         FRESH(what_is_torn_is_made_anew),
         FRESH(a_listing_cannot_name_what_is_outside),
+        FRESH(listings_tell_what_for_and_since_when),
         FRESH(faults_in_kernels_are_told),
         FRESH(a_helper_that_cannot_work_leaves_it_to_the_launch),
         FRESH(without_a_helper_nothing_is_compiled_ahead),
