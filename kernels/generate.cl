@@ -51,4 +51,20 @@ __kernel void generate_camera_rays(__global float *restrict wave, const gk_u32 s
     GK_STORE(GK_COL_LG, i, 0.0f);
     GK_STORE(GK_COL_LB, i, 0.0f);
     GK_STORE_U32(GK_COL_KEY, i, GK_MATTE_BACKGROUND);
+    // Films keep pixels outside the region too: as empty ones, whatever the lanes held before.
+#ifdef GK_AOVS
+    GK_STORE(GK_COL_Z, i, 1e30f);
+    GK_STORE(GK_COL_FNX, i, 0.0f);
+    GK_STORE(GK_COL_FNY, i, 0.0f);
+    GK_STORE(GK_COL_FNZ, i, 0.0f);
+    GK_STORE(GK_COL_AR, i, 0.0f);
+    GK_STORE(GK_COL_AG, i, 0.0f);
+    GK_STORE(GK_COL_AB, i, 0.0f);
+#endif
+#ifdef GK_FLOW
+    GK_STORE(GK_COL_FORWARD_U, i, 0.0f);
+    GK_STORE(GK_COL_FORWARD_V, i, 0.0f);
+    GK_STORE(GK_COL_BACKWARD_U, i, 0.0f);
+    GK_STORE(GK_COL_BACKWARD_V, i, 0.0f);
+#endif
 }

@@ -11,6 +11,7 @@ UNIT_TESTS = \
 	tests/kernel/test_bsdf_layers \
 	tests/kernel/test_bsdf_layers_density \
 	tests/kernel/test_dialects \
+	tests/kernel/test_film_sums \
 	tests/kernel/test_filter \
 	tests/kernel/test_fresnel \
 	tests/kernel/test_light \
@@ -21,6 +22,7 @@ UNIT_TESTS = \
 	tests/render/test_camera \
 	tests/render/test_effects \
 	tests/render/test_features \
+	tests/render/test_film_capture \
 	tests/render/test_film_merge \
 	tests/render/test_film_restore \
 	tests/render/test_flow \
@@ -120,6 +122,7 @@ moving = tests/render/moving.c tests/render/moving.h $(stable)
 filmed = tests/render/filmed.c tests/render/filmed.h $(stable)
 tests_render_test_film_restore_SOURCES = tests/render/test_film_restore.c $(filmed)
 tests_render_test_film_merge_SOURCES = tests/render/test_film_merge.c $(filmed)
+tests_render_test_film_capture_SOURCES = tests/render/test_film_capture.c $(filmed)
 tests_render_test_flow_SOURCES = tests/render/test_flow.c $(moving)
 tests_render_test_motion_SOURCES = tests/render/test_motion.c $(moving)
 tests_render_test_features_SOURCES = tests/render/test_features.c $(stable)

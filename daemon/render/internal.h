@@ -47,8 +47,7 @@ struct glint_view {
 
 struct glint_render {
     struct glint_devices *devices;
-    struct glint_job job; // a copy; strings other than the name are not used again
-    char *name;
+    struct glint_job job; // a copy
     struct glint_archive *archive; // where its pixels are, if not in a film; there is no view then
     glint_film *film;
     glint_wave **wave;           // [workers], each made and used by its worker alone

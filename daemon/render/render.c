@@ -10,18 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Copies what the render needs of the job; strings other than the name are not used again.
-static glint_status copy_job(struct glint_render *r, const struct glint_job *job,
-                             struct glint_error *err)
-{
-    r->job = *job;
-    r->name = strdup(job->name ? job->name : "");
-    r->job.name = r->name;
-    if (!r->name)
-        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a render");
-    return GLINT_OK;
-}
-
 static uint32_t blocks(uint32_t pixels)
 {
     const uint32_t side = GK_TILE_SIDE << GLINT_ORDERED_LOG2;
@@ -61,7 +49,7 @@ glint_status glint_render_create_forced(glint_render **out, struct glint_devices
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a render");
     pthread_mutex_init(&r->mutex, NULL);
     r->devices = devices;
-    glint_status st = copy_job(r, job, err);
+    glint_status st = glint_job_copy(&r->job, job, err);
     if (!st)
         st = prepare(r, scene, pose, force, err);
     if (st)
@@ -133,7 +121,7 @@ void glint_render_destroy(glint_render **render)
     free(r->order);
     glint_film_destroy(&r->film);
     glint_view_release(&r->view);
-    free(r->name);
+    glint_arena_finish(&r->job.arena);
     pthread_mutex_destroy(&r->mutex);
     free(r);
 }

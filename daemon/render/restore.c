@@ -199,18 +199,16 @@ glint_status glint_render_restore(glint_render *r, int fd, struct glint_error *e
 static glint_status fill(glint_render *r, glint_film_file **file, struct glint_error *err)
 {
     const struct glint_film_header *h = glint_film_file_header(*file);
-    r->job = *h->job;
-    r->name = strdup(h->job->name);
-    r->job.name = r->name;
+    glint_status st = glint_job_copy(&r->job, h->job, err);
+    if (st)
+        return st;
     r->target = h->moment.target;
     r->stopped = h->moment.stopped;
     take_moment(r, h);
     uint32_t *samples = samples_of(*file, err);
-    if (!r->name || !samples) {
-        free(samples);
-        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a render");
-    }
-    const glint_status st = glint_pass_resume(r, &h->moment, samples) ? GLINT_OK : torn_pass(err);
+    if (!samples)
+        return GLINT_E_NOMEM;
+    st = glint_pass_resume(r, &h->moment, samples) ? GLINT_OK : torn_pass(err);
     free(samples);
     return st ? st : glint_archive_create(&r->archive, file, err);
 }

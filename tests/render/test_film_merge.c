@@ -50,7 +50,7 @@ static void drop_parts(struct parts *p)
 static uint8_t *exr_of(const glint_film_sum *sum, size_t *size)
 {
     const struct glint_film_source *source = glint_film_sum_source(sum);
-    const struct glint_exr_options options = {GLINT_EXR_ZIP, GLINT_EXR_SINGLE, 1};
+    const struct glint_exr_options options = {.compression = GLINT_EXR_ZIP, .zip_level = 1};
     const struct glint_job *job = source->info->job;
     struct glint_frame *frame;
     uint8_t *bytes;

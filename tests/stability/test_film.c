@@ -94,11 +94,13 @@ static float *column(const struct bench *b, int index)
     return (float *)glint_buffer_host(b->wave) + (size_t)index * LANES;
 }
 
-// 256 pixels of 8192 samples, upon sums of up to 2^20, against double precision.
+// 256 pixels of 8192 samples, upon sums of up to 2^20, against double precision, and against the
+// same sums on the host, word for word.
 static void check_kernel(const char *options, bool wide)
 {
     struct bench b;
     double exact[LANES];
+    static float host[GK_SUM_PLANES * GK_TILE_PIXELS];
     uint64_t seed = 5;
     bench_open(&b, options);
     float *red = glint_buffer_host(b.film);
@@ -108,11 +110,14 @@ static void check_kernel(const char *options, bool wide)
             ((double *)(void *)red)[i] = exact[i];
         else
             red[i] = (float)exact[i];
+        host[i] = (float)exact[i];
+        host[i + GK_TILE_PIXELS] = host[i + 2 * GK_TILE_PIXELS] = 0.0f;
     }
     for (int n = 0; n < 8192; n++) {
         for (uint32_t i = 0; i < LANES; i++) {
             column(&b, GK_COL_LR)[i] = (float)addend(1 + (int)(i % 3), &seed);
             exact[i] += column(&b, GK_COL_LR)[i];
+            gk_film_add(host, i, column(&b, GK_COL_LR)[i]);
         }
         bench_add(&b);
     }
@@ -121,6 +126,7 @@ static void check_kernel(const char *options, bool wide)
             wide ? ((double *)(void *)red)[i] : (double)red[i] + red[i + GK_TILE_PIXELS];
         assert_true(fabs(total / exact[i] - 1.0) <= 4.0 * UNIT);
     }
+    assert_true(wide || memcmp(red, host, sizeof host) == 0);
     bench_close(&b);
 }
 
