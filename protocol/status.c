@@ -19,7 +19,7 @@ static const struct {
     [GLINT_E_FORBIDDEN] = {403, 77, "Forbidden", "/problems/forbidden"},
     [GLINT_E_NOT_FOUND] = {404, 66, "Not found", "/problems/not-found"},
     [GLINT_E_METHOD] = {405, 70, "Method not allowed", "/problems/method-not-allowed"},
-    [GLINT_E_CONFLICT] = {409, 75, "Conflict", "/problems/conflict"},
+    [GLINT_E_CONFLICT] = {409, 65, "Conflict", "/problems/conflict"},
     [GLINT_E_STALE] = {412, 75, "Precondition failed", "/problems/precondition-failed"},
     [GLINT_E_TOO_LARGE] = {413, 65, "Content too large", "/problems/too-large"},
     [GLINT_E_MEDIA_TYPE] = {415, 65, "Unsupported media type", "/problems/media-type"},

@@ -199,6 +199,7 @@ SCRIPT_TESTS = \
 	tests/clients/cli_bundle.py \
 	tests/clients/cli_identity.py \
 	tests/clients/cli_merge.py \
+	tests/clients/cli_jobs.py \
 	tests/clients/cli_recolor.py \
 	tests/clients/cli_render.py \
 	tests/clients/cli_tev.py \
