@@ -44,6 +44,9 @@ libglintcli_a_SOURCES = \
 	clients/cli/uri.c clients/cli/uri.h
 libglintcli_a_CPPFLAGS = $(AM_CPPFLAGS) -DGLINT_LIBEXECDIR='"$(pkglibexecdir)"'
 
+bashcompdir = $(datadir)/bash-completion/completions
+dist_bashcomp_DATA = deploy/completion/glint
+
 bin_PROGRAMS += glint
 glint_SOURCES = clients/cli/main.c
 glint_LDADD = $(CLI_LIBS)

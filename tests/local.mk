@@ -195,6 +195,7 @@ tests_clients_test_uri_LDADD = libglintcli.a $(LDADD)
 
 # *.py and *.sh; shared Python modules and data of tests go to dist_check_DATA.
 SCRIPT_TESTS = \
+	tests/clients/cli_completion.py \
 	tests/clients/cli_daemon.py \
 	tests/clients/cli_bundle.py \
 	tests/clients/cli_identity.py \
