@@ -225,6 +225,8 @@ static void read_moment(const struct glint_json *root, struct glint_film_header 
     struct glint_film_moment *m = &h->moment;
     const struct glint_json at = required(root, "moment");
     const struct glint_json error = glint_json_member(&at, "error");
+    if (!at.value)
+        return;
     glint_fields_read(&at, moment_fields, &h->arena, m);
     m->error = NAN;
     glint_json_double(&error, 0.0, INFINITY, &m->error);
@@ -270,22 +272,22 @@ static void read_planes(const struct glint_json *root, struct glint_film_header 
         glint_json_fault(&at, "the job's outputs need more");
 }
 
-static bool read_names(const struct glint_json *at, struct glint_film_header *h,
+static void read_names(const struct glint_json *at, struct glint_film_header *h,
                        struct glint_matte_key *key)
 {
     size_t count = 0;
-    if (!glint_json_length(at, &count) || count != GLINT_MATTE_LAYERS)
-        return glint_json_fault(at, "the names of an object, a material and an asset are expected");
+    if (!glint_json_length(at, &count) || count != GLINT_MATTE_LAYERS) {
+        glint_json_fault(at, "the names of an object, a material and an asset are expected");
+        return;
+    }
     const cJSON *c = at->value->child;
     for (size_t l = 0; l < GLINT_MATTE_LAYERS; l++, c = c->next) {
         const struct glint_json item = glint_json_item(at, c, l);
         char *name = NULL;
-        if (!glint_json_string(&item, &h->arena, &name))
-            return false;
+        glint_json_string(&item, &h->arena, &name);
         key->name[l] = name;
         key->id[l] = name && *name ? glint_cryptomatte_id(name) : 0;
     }
-    return true;
 }
 
 static void read_mattes(const struct glint_json *root, struct glint_film_header *h)
@@ -303,10 +305,9 @@ static void read_mattes(const struct glint_json *root, struct glint_film_header 
         glint_fail(root->err, GLINT_E_NOMEM, "/mattes", "no memory for %zu names", count);
         return;
     }
-    bool fine = true;
-    for (const cJSON *c = count ? at.value->child : NULL; c && fine; c = c->next, i++) {
+    for (const cJSON *c = count ? at.value->child : NULL; c; c = c->next, i++) {
         const struct glint_json item = glint_json_item(&at, c, i);
-        fine = read_names(&item, h, &key[i + 2]);
+        read_names(&item, h, &key[i + 2]);
     }
     h->info.matte = key;
     h->info.mattes = (uint32_t)count + 2;

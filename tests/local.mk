@@ -44,6 +44,7 @@ UNIT_TESTS = \
 	tests/unit/test_edit \
 	tests/unit/test_exr \
 	tests/unit/test_film \
+	tests/unit/test_film_file \
 	tests/unit/test_folders \
 	tests/unit/test_frame \
 	tests/unit/test_frames \
