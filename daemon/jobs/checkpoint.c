@@ -121,9 +121,13 @@ static void remove_film(struct glint_checkpoints *c, const struct glint_entry *e
 static void note(struct glint_checkpoints *c, struct glint_entry *e,
                  const struct glint_job_progress *p, uint64_t bytes, double worker_seconds)
 {
+    const struct glint_checkpoint_file file = file_of(c, e, p->film);
+    char written[sizeof e->kept.written];
+    glint_checkpoint_file_time(&file, written);
     atomic_fetch_add(&c->bytes, bytes);
     glint_metric_add(c->written_bytes, (double)bytes);
     pthread_mutex_lock(&c->table->mutex);
+    memcpy(e->kept.written, written, sizeof written);
     e->kept.film = p->film;
     e->kept.film_before = p->film_before;
     e->kept.rendered = p->rendered;
@@ -413,13 +417,29 @@ struct sweep {
     size_t count;
 };
 
-static bool is_wanted(const struct sweep *s, const char *job, uint64_t number)
+// The entry that has this film, or NULL.
+static struct glint_entry *owner_of(const struct sweep *s, const struct glint_checkpoint_file *file)
 {
-    for (size_t i = 0; i < s->count; i++)
-        if (!strcmp(s->entry[i]->id, job))
-            return number &&
-                   (s->entry[i]->kept.film == number || s->entry[i]->kept.film_before == number);
-    return false;
+    for (size_t i = 0; i < s->count; i++) {
+        const struct glint_job_kept *kept = &s->entry[i]->kept;
+        if (!strcmp(s->entry[i]->id, file->job))
+            return file->number && (kept->film == file->number || kept->film_before == file->number)
+                       ? s->entry[i]
+                       : NULL;
+    }
+    return NULL;
+}
+
+static void count_film(const struct sweep *s, struct glint_entry *e,
+                       const struct glint_checkpoint_file *file)
+{
+    atomic_fetch_add(&s->c->bytes, glint_checkpoint_file_bytes(file));
+    char written[sizeof e->kept.written];
+    glint_checkpoint_file_time(file, written);
+    pthread_mutex_lock(&s->c->table->mutex);
+    if (e->kept.film == file->number)
+        memcpy(e->kept.written, written, sizeof written);
+    pthread_mutex_unlock(&s->c->table->mutex);
 }
 
 static bool ends_with(const char *name, const char *suffix)
@@ -436,8 +456,9 @@ static void sweep_file(void *user, const char *name)
     const bool film = glint_checkpoint_file_parse(name, job, &number);
     const struct glint_checkpoint_file file = {s->c->folder, job, number};
     snprintf(path, sizeof path, "%s/%s", s->c->folder, name);
-    if (film && is_wanted(s, job, number))
-        atomic_fetch_add(&s->c->bytes, glint_checkpoint_file_bytes(&file));
+    struct glint_entry *owner = film ? owner_of(s, &file) : NULL;
+    if (owner)
+        count_film(s, owner, &file);
     else if (film || ends_with(name, ".new"))
         unlink(path);
 }

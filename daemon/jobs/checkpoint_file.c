@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #define PATH_BYTES 4096
@@ -100,6 +101,17 @@ uint64_t glint_checkpoint_file_bytes(const struct glint_checkpoint_file *f)
     struct stat s;
     path_of(f, "", path);
     return stat(path, &s) ? 0 : (uint64_t)s.st_size;
+}
+
+void glint_checkpoint_file_time(const struct glint_checkpoint_file *f, char text[32])
+{
+    char path[PATH_BYTES];
+    struct stat s;
+    struct tm parts;
+    path_of(f, "", path);
+    *text = '\0';
+    if (!stat(path, &s) && gmtime_r(&s.st_mtime, &parts))
+        strftime(text, 32, "%Y-%m-%dT%H:%M:%SZ", &parts);
 }
 
 void glint_checkpoint_files_list(const char *folder, void (*visit)(void *user, const char *name),

@@ -25,6 +25,8 @@ void glint_checkpoint_file_remove(const struct glint_checkpoint_file *file);
 // Out of the way, and kept.
 void glint_checkpoint_file_put_aside(const struct glint_checkpoint_file *file, const char *suffix);
 uint64_t glint_checkpoint_file_bytes(const struct glint_checkpoint_file *file);
+// When it was written, UTC; "": not known.
+void glint_checkpoint_file_time(const struct glint_checkpoint_file *file, char text[32]);
 
 // Calls `visit` with every file's name in the folder.
 void glint_checkpoint_files_list(const char *folder, void (*visit)(void *user, const char *name),

@@ -19,10 +19,11 @@ struct moment {
     uint64_t sequence;
     bool idle;
     char revision[65];
-    struct glint_look *look; // retained, or NULL
-    char *trouble[3];        // copies, or NULL
+    struct glint_look *look;        // retained, or NULL
+    char *trouble[3];               // copies, or NULL
     struct glint_render_state kept; // of who has no render and was kept
-    bool is_kept;
+    bool is_kept, has_film;
+    char written[32]; // when its newest film was, or ""
 };
 
 static void look(struct glint_job_table *table, struct glint_entry *e, struct moment *out)
@@ -44,7 +45,10 @@ static void look(struct glint_job_table *table, struct glint_entry *e, struct mo
                             e->kept.trouble ? strdup(e->kept.trouble) : NULL,
                             e->kept.torn ? strdup(e->kept.torn) : NULL},
                            e->kept.rendered,
-                           e->keeper != NULL};
+                           e->keeper != NULL,
+                           e->kept.film != 0,
+                           ""};
+    memcpy(out->written, e->kept.written, sizeof out->written);
     e->views += e->render != NULL; // it stays until glint_entry_describe() is done with it
     strcpy(out->revision, glint_revision_id(e->revision));
     pthread_mutex_unlock(&table->mutex);
@@ -146,6 +150,27 @@ static void add_warnings(cJSON *object, const struct glint_entry *e, const struc
     cJSON_AddItemToObject(object, "warnings", warnings);
 }
 
+// Null: nothing of it is on the disk.
+static void add_checkpoint(cJSON *object, const struct moment *m)
+{
+    if (!m->has_film) {
+        cJSON_AddNullToObject(object, "checkpoint");
+        return;
+    }
+    cJSON *o = cJSON_AddObjectToObject(object, "checkpoint");
+    cJSON_AddNumberToObject(o, "samples", m->kept.samples);
+    if (*m->written)
+        cJSON_AddStringToObject(o, "written", m->written);
+    else
+        cJSON_AddNullToObject(o, "written");
+}
+
+// What was made of its scene is not an ended job's any more.
+static uint64_t memory_of(const struct glint_entry *e, const struct moment *m)
+{
+    return e->need.film + (glint_state_ended(m->state) ? 0 : e->need.scene);
+}
+
 static void add_wait(cJSON *object, const struct moment *m)
 {
     const char *name = m->state == GLINT_JOB_QUEUED ? glint_wait_name(m->wait) : NULL;
@@ -173,7 +198,8 @@ static cJSON *describe(const struct glint_entry *e, const struct moment *m)
     add_wait(object, m);
     cJSON_AddNumberToObject(object, "priority", m->priority);
     add_render(object, m);
-    cJSON_AddNumberToObject(object, "memory_bytes", (double)(e->need.film + e->need.scene));
+    add_checkpoint(object, m);
+    cJSON_AddNumberToObject(object, "memory_bytes", (double)memory_of(e, m));
     cJSON_AddStringToObject(object, "plan", plan);
     if (m->state == GLINT_JOB_FAILED) // from then on nobody changes the problem
         cJSON_AddItemToObject(object, "problem", glint_problem_object(&e->problem, NULL, NULL));

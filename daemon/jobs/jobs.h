@@ -98,12 +98,13 @@ struct glint_jobs_filter {
 };
 
 // {"id","name","client","request","scene","revision","state","waits_for","priority","samples",
-//  "target_samples","progress","error","seconds","eta_seconds","worker_seconds","memory_bytes",
-//  "rays":{...},"plan","problem","warnings","created","job":{...}} and {"jobs": [...], "next": id or null} in order of submission; filter:
-// NULL: all; next: what to go on behind, when the limit has cut the list. Numbers not known yet are
-// null; "problem" is there when the job has failed; "request" where the submission had one.
-cJSON *glint_jobs_describe(glint_jobs *jobs, const char *id, struct glint_error *err);
+//  "target_samples","progress","error","seconds","eta_seconds","worker_seconds","checkpoint",
+//  "memory_bytes","rays":{...},"plan","problem","warnings","created","job":{...}} and
+// {"jobs": [...], "next": id or null} in order of submission; filter: NULL: all; next: what to go on
+// behind, when the limit has cut the list. Numbers not known yet are null; "problem" is there when
+// the job has failed; "request" where the submission had one.
 //   GLINT_E_NOT_FOUND  no such job
+cJSON *glint_jobs_describe(glint_jobs *jobs, const char *id, struct glint_error *err);
 //   GLINT_E_RANGE      there is no job `after`
 cJSON *glint_jobs_list(glint_jobs *jobs, const struct glint_jobs_filter *filter,
                        struct glint_error *err);
@@ -114,8 +115,9 @@ glint_status glint_jobs_delete(glint_jobs *jobs, const char *id, bool *forgotten
                                struct glint_error *err);
 
 // PATCH: merge patch of `priority`, `paused`, `stop` and, of a live job, `camera`; unknown members
-// are faults. GLINT_E_CONFLICT when the job has ended, except that one that stopped by time goes on
-// when it is given more.
+// are faults. A job that is done or cancelled goes on where it stopped when `stop` is moved past what
+// it has; the same stop again is no fault.
+//   GLINT_E_CONFLICT  it has ended otherwise, or has more samples already; its scene is gone
 glint_status glint_jobs_patch(glint_jobs *jobs, const char *id, const char *text, size_t length,
                               struct glint_error *err);
 

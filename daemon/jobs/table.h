@@ -32,6 +32,7 @@ struct glint_checkpoints;
 // by the preparer; where the others look at it, with the table's mutex.
 struct glint_job_kept {
     uint64_t film, film_before;         // numbers of films, 0: none
+    char written[32];                   // when the newest film was, UTC, "": not known
     struct glint_render_state rendered; // as the last row says
     uint64_t complete;                  // the entry's sequence when all of an ended job was kept
     bool removed;                       // the job is forgotten: its films go
@@ -52,7 +53,7 @@ struct glint_entry {
     char created[32];
     double submitted; // glint_now()
     struct glint_need need;
-    uint64_t rest_bytes; // of the scene at rest
+    uint64_t rest_bytes;              // of the scene at rest
     struct glint_checkpoints *keeper; // NULL: it is not kept
 
     // shared

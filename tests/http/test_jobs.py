@@ -198,6 +198,19 @@ def test_a_finished_job_goes_on_after_a_restart():
         assert daemon.job(job)["rays"]["camera"] > rays
 
 
+def test_a_job_tells_what_of_it_is_on_the_disk():
+    with Lasting("--checkpoint-seconds", "0.1") as daemon:
+        daemon.put("room", ROOM)
+        job = daemon.submit(scene="room", stop={"samples": 1000000})
+        daemon.wait(lambda: daemon.job(job)["checkpoint"], "no checkpoint")
+        first = daemon.job(job)["checkpoint"]
+        daemon.wait(lambda: daemon.job(job)["checkpoint"]["samples"] > first["samples"], "no other")
+        state = daemon.job(job)
+        assert state["checkpoint"]["samples"] <= state["samples"]
+        assert state["created"] <= state["checkpoint"]["written"]
+        daemon.delete(f"/v1/jobs/{job}")
+
+
 def test_a_finished_job_whose_scene_is_gone_stays_finished():
     with Lasting() as daemon:
         daemon.put("room", ROOM)

@@ -18,7 +18,7 @@ def without(description, *names):
 
 def settled(description):
     """Of a job that has ended, what must be the same after a restart."""
-    return without(description, "eta_seconds")
+    return without(description, "eta_seconds", "checkpoint")
 
 
 def test_scenes_are_listed_with_their_revision_after_a_kill():
