@@ -13,6 +13,8 @@
 #define ZIP_LEVEL 4
 #define DIRECT_READERS 4     // so few are woken for each tile
 #define VERSIONS_A_SECOND 12 // as a power of two: more than a render makes
+// 2026: so that the sequences of 8K frames fit into the 53 bits of a browser's numbers until 2034.
+#define FIRST_SECOND 1767225600
 
 struct tile {
     uint64_t sequence; // 0: never posted
@@ -58,7 +60,8 @@ glint_status glint_boards_create(glint_boards **out, struct glint_error *err)
     if (!*out)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for tile streams");
     pthread_mutex_init(&(*out)->mutex, NULL);
-    (*out)->start = (uint64_t)time(NULL) << VERSIONS_A_SECOND;
+    const time_t now = time(NULL);
+    (*out)->start = now > FIRST_SECOND ? (uint64_t)(now - FIRST_SECOND) << VERSIONS_A_SECOND : 0;
     return GLINT_OK;
 }
 

@@ -66,20 +66,29 @@ static void run(struct glint_task *task)
         resume(r);
 }
 
-static bool due(struct glint_request *r)
+// A job and whether it has ended: those who wait for the same one mostly stand together.
+struct verdict {
+    const char *job;
+    bool ended;
+};
+
+static bool due(struct glint_request *r, struct verdict *last)
 {
-    return atomic_load_explicit(&r->left, memory_order_relaxed) || glint_http_draining(r->http) ||
-           glint_http_job_ended(r->http, r->argument[0]);
+    if (!last->job || strcmp(last->job, r->argument[0]))
+        *last = (struct verdict){r->argument[0], glint_http_job_ended(r->http, r->argument[0])};
+    return last->ended || atomic_load_explicit(&r->left, memory_order_relaxed) ||
+           glint_http_draining(r->http);
 }
 
 // Unlinks the parked requests that are due and returns them as a list.
 static struct glint_request *take_due(glint_http *http)
 {
     struct glint_request *taken = NULL;
+    struct verdict last = {0};
     pthread_mutex_lock(&http->lists);
     for (struct glint_request **at = &http->first_parked; *at;) {
         struct glint_request *r = *at;
-        if (due(r)) {
+        if (due(r, &last)) {
             *at = r->next_parked;
             atomic_fetch_sub(&http->readers, 1);
             r->next_parked = taken;

@@ -151,7 +151,7 @@ static glint_status start_lanes(glint_http *h, struct glint_error *err)
         {GLINT_LANE_CALL, "http-call", 2, 256},
         {GLINT_LANE_LOAD, "http-load", 2, 16},
         {GLINT_LANE_EDIT, "http-edit", 2, 64},
-        {GLINT_LANE_FRAME, "http-frame", 2, 64},
+        {GLINT_LANE_FRAME, "http-frame", 2, 4096}, // a job that ends brings all who wait for it
         {GLINT_LANE_STREAM, "http-stream", 2, GLINT_MAX_STREAMS}, // each has at most one task
     };
     glint_status st = GLINT_OK;

@@ -5,11 +5,13 @@ import json
 import os
 import re
 import signal
+import socket
 import struct
 import time
 
 import tap
-from daemon import ROOM, Daemon
+from daemon import PATIENCE, ROOM, Daemon
+from lasting import Lasting
 
 SIZE = (256, 192)
 
@@ -85,7 +87,7 @@ def test_a_stream_from_the_start_ends_with_what_the_finished_job_has():
 def test_a_slow_reader_misses_versions_and_ends_with_the_newest():
     with Daemon() as daemon:
         daemon.put("room", ROOM)
-        job = submit(daemon, 256)
+        job = submit(daemon, 128)
         with daemon.connect(f"/v1/jobs/{job}/tiles", receive_buffer=4096) as slow, \
                 daemon.connect(f"/v1/jobs/{job}/tiles") as fast:
             quick, many, _ = read_tiles(fast)  # meanwhile nobody reads the slow one
@@ -185,6 +187,131 @@ def test_a_job_that_nobody_watches_does_not_wake_the_watcher():
         job = daemon.submit(scene="room", resolution=[64, 64], stop={"samples": 1000000})
         assert rate_of_watch(daemon, job) < 10  # its own rounds are 4 a second
         daemon.delete(f"/v1/jobs/{job}")
+
+
+def resident(daemon):
+    """Megabytes of memory of its own."""
+    with open(f"/proc/{daemon.process.pid}/status", encoding="ascii") as status:
+        return int(re.search(r"^RssAnon:\s+(\d+)", status.read(), re.M)[1]) / 1024
+
+
+def descriptors(daemon):
+    return len(os.listdir(f"/proc/{daemon.process.pid}/fd"))
+
+
+def threads(daemon):
+    return len(os.listdir(f"/proc/{daemon.process.pid}/task"))
+
+
+def test_clients_that_read_nothing_cost_little_and_hold_nobody_up():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = submit(daemon, 1000000)
+        with daemon.connect(f"/v1/jobs/{job}/tiles") as fast, contextlib.ExitStack() as stalled:
+            parts = fast.parts()
+            for _ in range(24):
+                next(parts)
+            before = resident(daemon)
+            for _ in range(100):
+                stalled.enter_context(daemon.connect(f"/v1/jobs/{job}/tiles", receive_buffer=4096))
+            received = sum(len(body) for _, (_, body) in zip(range(120), parts))
+            daemon.wait_metric("glint_http_streams", 101)
+            # A copy of what the fast one was sent for each of them would be hundreds.
+            assert resident(daemon) - before < 12, (before, resident(daemon), received)
+            assert received > 1 << 19
+        daemon.wait_metric("glint_http_streams", 0)
+        daemon.delete(f"/v1/jobs/{job}")
+
+
+def come_and_go(daemon, job, number):
+    """Opens a stream, perhaps reads a little, and leaves in one of several ways."""
+    stream = daemon.dial()
+    kind = ("tiles", "events")[number % 2]
+    stream.sendall(f"GET /v1/jobs/{job}/{kind} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+    if number % 3:
+        stream.recv(1 << number % 16)
+    if number % 5 < 2:
+        stream.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    stream.close()
+
+
+def test_clients_that_come_and_go_leave_nothing_behind():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = submit(daemon, 1000000)
+        daemon.until(job, lambda j: j["samples"] > 0)
+        used = []
+        for _ in range(3):
+            for number in range(600):
+                come_and_go(daemon, job, number)
+            daemon.wait_metric("glint_http_streams", 0)
+            daemon.wait_metric("glint_http_connections", 1)
+            used.append((descriptors(daemon), resident(daemon)))
+        assert used[2][0] <= used[1][0] + 4, used  # of 1200 connections since
+        assert used[2][1] < used[1][1] + 4, used
+        daemon.delete(f"/v1/jobs/{job}")
+
+
+def wait_for_frame(daemon, job):
+    waiting = daemon.dial()
+    waiting.sendall(f"GET /v1/jobs/{job}/frame.exr?wait=done&outputs=beauty HTTP/1.1\r\n"
+                    "Host: localhost\r\nConnection: close\r\n\r\n".encode())
+    return waiting
+
+
+def read_answer(waiting):
+    answer = http.client.HTTPResponse(waiting)
+    answer.begin()
+    return answer.status, answer.read()
+
+
+def test_two_hundred_wait_for_a_frame_without_a_thread_each():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        job = submit(daemon, 64)
+        pause = {"Content-Type": "application/merge-patch+json"}
+        assert daemon.ask("PATCH", f"/v1/jobs/{job}", '{"paused": true}', pause).status == 200
+        before = threads(daemon)
+        with contextlib.ExitStack() as stack:
+            waiting = [stack.enter_context(wait_for_frame(daemon, job)) for _ in range(200)]
+            daemon.wait_metric("glint_http_connections", 201)
+            assert threads(daemon) == before
+            assert daemon.ask("PATCH", f"/v1/jobs/{job}", '{"paused": false}', pause).status == 200
+            answers = {read_answer(one) for one in waiting}
+        assert answers == {(200, daemon.frame(job, "&outputs=beauty"))}
+
+
+def test_waiting_ends_when_the_job_is_forgotten_or_the_daemon_stops():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        jobs = [submit(daemon, 1000000) for _ in range(2)]
+        with wait_for_frame(daemon, jobs[0]) as first, wait_for_frame(daemon, jobs[1]) as second:
+            daemon.wait_metric("glint_http_connections", 3)
+            daemon.delete(f"/v1/jobs/{jobs[0]}")
+            assert read_answer(first)[0] in (404, 409)
+            daemon.process.send_signal(signal.SIGTERM)
+            assert read_answer(second)[0] == 503
+        assert daemon.process.wait(PATIENCE) == 0
+
+
+def test_after_a_restart_events_and_tiles_are_newer_than_all_before():
+    with Lasting() as daemon:
+        daemon.put("room", ROOM)
+        job = submit(daemon, 2)
+        daemon.frame(job)
+        events, tiles = f"/v1/jobs/{job}/events", f"/v1/jobs/{job}/tiles"
+        with daemon.connect(events) as stream:
+            list(stream.events())
+            last_event = stream.last_id
+        with daemon.connect(tiles) as stream:
+            before, _, last_tile = read_tiles(stream)
+        daemon.restart()
+        with daemon.connect(events, {"Last-Event-ID": last_event}) as stream:
+            assert [name for name, _ in stream.events()] == ["reset", "done"]
+            assert int(stream.last_id) > int(last_event) + 1
+        with daemon.connect(f"{tiles}?since={last_tile}") as stream:
+            after, _, last = read_tiles(stream)
+        assert last > last_tile and contents(after) == contents(before)
 
 
 def test_a_forgotten_job_ends_its_streams():
