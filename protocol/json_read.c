@@ -1,5 +1,6 @@
 // json_read.c - typed values out of a tree, each with its range.
 #include "protocol/json.h"
+#include "protocol/nearest.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -31,11 +32,15 @@ static bool wrong_kind(const struct glint_json *at, const char *expected)
     return glint_json_fault(at, "%s is expected, not %s", expected, kind(at->value));
 }
 
-// "a, b, c", cut where it gets too long.
-static const char *list(char out[MAX_LIST], const char *const *names)
+// What was probably meant, and "a, b, c", cut where it gets too long.
+static const char *list(char out[MAX_LIST], const char *const *names, const char *typed)
 {
+    const char *nearest = glint_nearest(names, typed);
     size_t n = 0;
-    out[0] = '\0';
+    if (nearest)
+        n = (size_t)snprintf(out, MAX_LIST, "did you mean \"%s\"? There are: ", nearest);
+    else
+        n = (size_t)snprintf(out, MAX_LIST, "there are: ");
     for (size_t i = 0; names[i] && n < MAX_LIST; i++)
         n += (size_t)snprintf(out + n, MAX_LIST - n, "%s%s", i ? ", " : "", names[i]);
     return out;
@@ -70,8 +75,8 @@ bool glint_json_only(const struct glint_json *at, const char *const *known)
         if (find(known, m->string) >= 0)
             continue;
         const struct glint_json item = glint_json_item(at, m, 0);
-        fine = glint_json_fault(&item, "no member \"%.80s\" exists here; there are: %s", m->string,
-                                list(text, known));
+        fine = glint_json_fault(&item, "no member \"%.80s\" exists here; %s", m->string,
+                                list(text, known, m->string));
     }
     return fine;
 }
@@ -188,8 +193,8 @@ bool glint_json_choice(const struct glint_json *at, const char *const *names, in
     const int i = find(names, at->value->valuestring);
     char text[MAX_LIST];
     if (i < 0)
-        return glint_json_fault(at, "\"%.80s\" does not exist here; there are: %s",
-                                at->value->valuestring, list(text, names));
+        return glint_json_fault(at, "\"%.80s\" does not exist here; %s", at->value->valuestring,
+                                list(text, names, at->value->valuestring));
     *out = i;
     return true;
 }

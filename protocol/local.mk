@@ -50,6 +50,8 @@ libglint_a_SOURCES = \
 	protocol/json_read.c \
 	protocol/multipart.c \
 	protocol/multipart.h \
+	protocol/nearest.c \
+	protocol/nearest.h \
 	protocol/png.c \
 	protocol/png.h \
 	protocol/problem.c \

@@ -36,6 +36,7 @@ UNIT_TESTS = \
 	tests/unit/test_arena \
 	tests/unit/test_assets \
 	tests/unit/test_config \
+	tests/unit/test_checkpoint \
 	tests/unit/test_contract \
 	tests/unit/test_cryptomatte \
 	tests/unit/test_data_uri \
@@ -49,6 +50,7 @@ UNIT_TESTS = \
 	tests/unit/test_frame \
 	tests/unit/test_frames \
 	tests/unit/test_http \
+	tests/unit/test_http_streams \
 	tests/unit/test_image_decode \
 	tests/unit/test_image_exr \
 	tests/unit/test_import \
@@ -59,12 +61,14 @@ UNIT_TESTS = \
 	tests/unit/test_import_gltf_time \
 	tests/unit/test_job \
 	tests/unit/test_jobs \
+	tests/unit/test_journal \
 	tests/unit/test_json \
 	tests/unit/test_live \
 	tests/unit/test_light_grid \
 	tests/unit/test_log \
 	tests/unit/test_metrics \
 	tests/unit/test_multipart \
+	tests/unit/test_nearest \
 	tests/unit/test_obj \
 	tests/unit/test_order \
 	tests/unit/test_ply \
@@ -89,6 +93,7 @@ UNIT_TESTS = \
 	tests/unit/test_stl \
 	tests/unit/test_stop \
 	tests/unit/test_store \
+	tests/unit/test_vault \
 	tests/unit/test_tokens \
 	tests/unit/test_turn
 
@@ -165,6 +170,7 @@ tests_unit_test_import_gltf_materials_SOURCES = tests/unit/test_import_gltf_mate
 tests_unit_test_import_gltf_scene_SOURCES = tests/unit/test_import_gltf_scene.c $(gltf_expect)
 tests_unit_test_import_gltf_time_SOURCES = tests/unit/test_import_gltf_time.c \
 	tests/unit/gltf_moving.c tests/unit/gltf_moving.h $(gltf_expect)
+tests_unit_test_checkpoint_SOURCES = tests/unit/test_checkpoint.c $(jobs_fixture)
 tests_unit_test_jobs_SOURCES = tests/unit/test_jobs.c $(jobs_fixture)
 tests_unit_test_live_SOURCES = tests/unit/test_live.c $(jobs_fixture)
 pose_scene = tests/unit/pose_scene.c tests/unit/pose_scene.h
@@ -188,8 +194,10 @@ tests_unit_test_stl_SOURCES = tests/unit/test_stl.c tests/unit/model_expect.h
 tests_unit_test_stop_SOURCES = tests/unit/test_stop.c $(jobs_fixture)
 tests_unit_test_store_SOURCES = tests/unit/test_store.c tests/unit/fake_scene.c \
 	tests/unit/fake_scene.h
-tests_unit_test_http_SOURCES = tests/unit/test_http.c tests/unit/fake_house.c \
+served = tests/unit/http_fixture.c tests/unit/http_fixture.h tests/unit/fake_house.c \
 	tests/unit/fake_house.h
+tests_unit_test_http_SOURCES = tests/unit/test_http.c $(served)
+tests_unit_test_http_streams_SOURCES = tests/unit/test_http_streams.c $(served)
 tests_clients_test_sse_LDADD = libglintcli.a $(LDADD)
 tests_clients_test_tev_packet_LDADD = libglintcli.a $(LDADD)
 tests_clients_test_uri_LDADD = libglintcli.a $(LDADD)
@@ -216,10 +224,13 @@ SCRIPT_TESTS = \
 	tests/http/test_formats.py \
 	tests/http/test_hostile.py \
 	tests/http/test_jobs.py \
+	tests/http/test_kill9.py \
 	tests/http/test_metrics.py \
 	tests/http/test_requests.py \
+	tests/http/test_restart.py \
 	tests/http/test_scenes.py \
 	tests/http/test_service.py \
+	tests/http/test_state.py \
 	tests/http/test_streams.py \
 	tests/http/test_unit.py \
 	tests/http/test_updates.py \
@@ -231,10 +242,10 @@ SCRIPT_TESTS = \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
-dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/http/soak tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/http/kill9 tests/http/soak tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised
 dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
 	tests/clients/browser.py tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \
-	tests/http/contract_hooks.py tests/http/daemon.py tests/http/sandbox.py \
+	tests/http/contract_hooks.py tests/http/daemon.py tests/http/lasting.py tests/http/sandbox.py \
 	tests/http/soak_plot.py \
 	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/density.h tests/kernel/surface.h \
 	tests/render/cryptomatte.py tests/render/cryptomatte_node.py \

@@ -152,6 +152,16 @@ static bool framed_well(struct glint_request *r)
            (!strcasecmp(coding, "chunked") && !glint_request_header(r, "Content-Length"));
 }
 
+static void refuse_query(const struct glint_request *r, struct glint_error *err)
+{
+    if (r->parameters == GLINT_MAX_PARAMETERS)
+        glint_fail(err, GLINT_E_SYNTAX, "", "the query has over %d parameters",
+                   GLINT_MAX_PARAMETERS);
+    else
+        glint_fail(err, GLINT_E_SYNTAX, "",
+                   "the query has a malformed %% escape, or one that is no UTF-8");
+}
+
 static void check_header(struct glint_request *r, const char *url, const char *method,
                          const char *version)
 {
@@ -181,8 +191,7 @@ static void check_header(struct glint_request *r, const char *url, const char *m
     if (r->status || !glint_auth_request(r))
         return;
     if (r->bad_query)
-        glint_fail(&err, GLINT_E_SYNTAX, "", "the query is malformed or has over %d parameters",
-                   GLINT_MAX_PARAMETERS);
+        refuse_query(r, &err);
     else if (!*r->route->query) // otherwise the handler tells it with what else is wrong
         glint_query_check(r, &err);
     if (err.count)

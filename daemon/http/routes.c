@@ -104,7 +104,7 @@ static void refuse_method(struct glint_request *r, const char *method)
         }
     struct glint_error err = {0};
     if (!*allow) {
-        glint_fail(&err, GLINT_E_NOT_FOUND, "", "nothing is here");
+        glint_fail(&err, GLINT_E_NOT_FOUND, "", "nothing is here; GET /calls lists the calls");
         glint_answer_error(r, &err);
         return;
     }

@@ -218,7 +218,8 @@ static glint_status patch_ended(glint_scheduler *s, struct glint_command *c)
     struct glint_entry *e = c->entry;
     const struct glint_job_stop stop = glint_job_patch_stop(&c->patch, &e->stop);
     if (!glint_job_patch_stops(&c->patch) || e->state == GLINT_JOB_FAILED)
-        return glint_fail(c->err, GLINT_E_CONFLICT, "", "the job is %s",
+        return glint_fail(c->err, GLINT_E_CONFLICT, "",
+                          "the job is %s; where it is not failed, another stop has it go on",
                           glint_job_state_name(e->state));
     if (e->state == GLINT_JOB_DONE && same_stop(&stop, &e->stop))
         return GLINT_OK; // said twice
