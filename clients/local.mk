@@ -53,12 +53,15 @@ glint_LDADD = $(CLI_LIBS)
 
 bin_PROGRAMS += glint-demo-scene
 glint_demo_scene_SOURCES = \
+	clients/demo/bounces.c \
 	clients/demo/compose.h \
+	clients/demo/crowds.c \
 	clients/demo/dice.h \
 	clients/demo/document.c clients/demo/document.h \
 	clients/demo/light.c \
 	clients/demo/main.c \
 	clients/demo/palette.c clients/demo/palette.h \
+	clients/demo/scenes.c clients/demo/scenes.h \
 	clients/demo/shapes.c clients/demo/shapes.h \
 	clients/demo/shelves.c \
 	clients/demo/still_life.c

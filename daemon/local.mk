@@ -160,6 +160,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/render/capture.h \
 	daemon/render/common.c \
 	daemon/render/common.h \
+	daemon/render/carried.c \
 	daemon/render/effects.c \
 	daemon/render/effects.h \
 	daemon/render/estimate.c \
@@ -183,6 +184,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/render/view.c \
 	daemon/render/wave.c \
 	daemon/render/wave.h \
+	daemon/render/wave_parts.h \
 	daemon/scene/alias.c \
 	daemon/scene/alias.h \
 	daemon/scene/asset_set.c \
@@ -193,6 +195,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/data_uri.h \
 	daemon/scene/energy.c \
 	daemon/scene/energy.h \
+	daemon/scene/curvature.c \
+	daemon/scene/curvature.h \
 	daemon/scene/edit.c \
 	daemon/scene/edit.h \
 	daemon/scene/environment.c \

@@ -5,28 +5,83 @@
 #include "kernels/gk_matte.h"
 #include "kernels/gk_wave.h"
 
-// tables: [256][slots + 1], the last word of a pixel counts what found no slot; from `offset` slots
-// on. step: lanes from one sample of a pixel to the next.
+// The table of one pixel while deposits come in; the last word counts what found no slot.
+struct gk_pixel_table {
+    __global gk_u64 *table;
+    gk_u32 slots, policy, salt;
+    gk_u32 waits; // GK_COL_WAITS of the run under way
+    gk_u64 amount, lost;
+};
+
+GK_INLINE struct gk_pixel_table gk_pixel_table_at(__global gk_u64 *table, gk_u32 slots,
+                                                  gk_u32 policy, gk_u32 salt)
+{
+    const struct gk_pixel_table t = {table, slots, policy, salt, 0u, 0, 0};
+    return t;
+}
+
+GK_INLINE void gk_pixel_flush(struct gk_pixel_table *t)
+{
+    t->salt = gk_mix32(t->salt + 1u);
+    t->lost += gk_matte_deposit(t->table, t->slots, t->waits & GK_WAITS_KEY, t->waits >> 31,
+                                t->amount, t->policy, t->salt);
+    t->amount = 0;
+}
+
+GK_INLINE void gk_pixel_deposit(struct gk_pixel_table *t, gk_u32 waits, gk_u32 amount)
+{
+    const gk_u32 taken = waits ? amount : 0u;
+    if (taken > 0u && waits != t->waits) {
+        gk_pixel_flush(t);
+        t->waits = waits;
+    }
+    t->amount += taken;
+}
+
+GK_INLINE void gk_pixel_finish(struct gk_pixel_table *t)
+{
+    gk_pixel_flush(t);
+    t->table[t->slots] += t->lost;
+}
+
+// tables: [256][slots + 1], from `offset` slots on. lane: of the tile's first pixel; step: lanes from
+// one sample of a pixel to the next. salt: new for each launch on a tile.
 __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32 stride,
                                const gk_u32 n, const gk_u32 lane, const gk_u32 step,
                                const gk_u32 samples, __global gk_u64 *restrict tables,
-                               const gk_u32 offset, const gk_u32 slots, const gk_u32 policy)
+                               const gk_u32 offset, const gk_u32 slots, const gk_u32 policy,
+                               const gk_u32 salt)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
     if (i >= n)
         return;
-    __global gk_u64 *table = tables + offset + i * (slots + 1u);
-    gk_u32 key = GK_LOAD_U32(GK_COL_KEY, lane + i);
-    gk_u64 amount = 0, lost = 0;
-    for (gk_u32 s = 0; s < samples; s++) {
-        const gk_u32 next = GK_LOAD_U32(GK_COL_KEY, lane + i + s * step);
-        if (next != key) {
-            lost += gk_matte_deposit(table, slots, key, 1u, amount, policy);
-            key = next;
-            amount = 0;
-        }
-        amount += GK_MATTE_ONE;
-    }
-    lost += gk_matte_deposit(table, slots, key, 1u, amount, policy);
-    table[slots] += lost;
+    struct gk_pixel_table t =
+        gk_pixel_table_at(tables + offset + i * (slots + 1u), slots, policy, gk_mix32(salt ^ i));
+    for (gk_u32 s = 0; s < samples; s++)
+        gk_pixel_deposit(&t, GK_LOAD_U32(GK_COL_KEY, lane + i + s * step) | GK_WAITS_DIRECT,
+                         GK_MATTE_ONE);
+    gk_pixel_finish(&t);
 }
+
+#ifdef GK_THROUGH
+// What the vertices just shaded have left for the mattes; the lanes are empty afterwards.
+__kernel void deposit_carried(__global float *restrict wave, const gk_u32 stride, const gk_u32 n,
+                              const gk_u32 lane, const gk_u32 step, const gk_u32 samples,
+                              __global gk_u64 *restrict tables, const gk_u32 offset,
+                              const gk_u32 slots, const gk_u32 policy, const gk_u32 salt)
+{
+    const gk_u32 i = (gk_u32)get_global_id(0);
+    if (i >= n)
+        return;
+    struct gk_pixel_table t =
+        gk_pixel_table_at(tables + offset + i * (slots + 1u), slots, policy, gk_mix32(salt ^ i));
+    for (gk_u32 s = 0; s < samples; s++) {
+        const gk_u32 at = lane + i + s * step;
+        gk_pixel_deposit(&t, GK_LOAD_U32(GK_COL_DEPOSIT0, at), GK_LOAD_U32(GK_COL_AMOUNT0, at));
+        gk_pixel_deposit(&t, GK_LOAD_U32(GK_COL_DEPOSIT1, at), GK_LOAD_U32(GK_COL_AMOUNT1, at));
+        GK_STORE_U32(GK_COL_DEPOSIT0, at, 0u);
+        GK_STORE_U32(GK_COL_DEPOSIT1, at, 0u);
+    }
+    gk_pixel_finish(&t);
+}
+#endif

@@ -1,7 +1,7 @@
 // generate.cl - camera rays of a wave.
 #include "kernels/gk_camera.h"
+#include "kernels/gk_held.h"
 #include "kernels/gk_scene.h"
-#include "kernels/gk_wave.h"
 
 // One item per lane. Lanes outside the region get no ray.
 __kernel void generate_camera_rays(__global float *restrict wave, const gk_u32 stride,
@@ -66,5 +66,8 @@ __kernel void generate_camera_rays(__global float *restrict wave, const gk_u32 s
     GK_STORE(GK_COL_FORWARD_V, i, 0.0f);
     GK_STORE(GK_COL_BACKWARD_U, i, 0.0f);
     GK_STORE(GK_COL_BACKWARD_V, i, 0.0f);
+#endif
+#ifdef GK_THROUGH
+    gk_transport_begin(wave, stride, i, frame);
 #endif
 }

@@ -46,8 +46,22 @@ struct gk_frame {
     gk_f32 grid_origin[3], grid_scale[3]; // light grid: least corner, cells per metre
     gk_u32 grid_size[3], grid_clusters;   // cells along each axis; 0 clusters: no grid
     gk_u32 grid_members, grid_owners;     // words of its table (gk_light_grid.h)
+    // Mattes through bounces (gk_transport.h):
+    gk_f32 matte_alpha;
+    gk_f32 matte_slope, matte_radius; // of a camera sample's cone where it starts
+    gk_u32 matte_bins;  // classes by the way from the camera: up to 1 m, 2 m, 4 m, .., beyond
+    gk_u32 matte_flags; // GK_MATTES_*
+    gk_u32 unused[3];
 };
-GK_LAYOUT(gk_frame, 928);
+GK_LAYOUT(gk_frame, 960);
+
+#define GK_MATTES_GLOSSY 1u       // else the weight is 1 of a delta, 0 of anything else
+#define GK_MATTES_CLAMP 2u        // Eq. 6, else Eq. 5
+#define GK_MATTES_EQ3 4u          // in the place of Eq. 2
+#define GK_MATTES_CUT 8u          // diffuse_cut
+#define GK_MATTES_ENVIRONMENT 16u // what leaves the scene covers the background, else it is dropped
+#define GK_MATTES_CLASSES 32u     // one class for reflection, one for refraction
+#define GK_MATTES_OPAQUE 64u      // Eq. 8
 
 // Where the lanes of one launch lie in the image.
 // A lane is sample * pixels + pixel; pixels are tiles of 16x16 side by side, row-major in a tile.

@@ -281,4 +281,12 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
     return hit;
 }
 
+// Mean curvature of the surface where it was hit, 1/m; > 0: it bulges towards the ray.
+GK_INLINE gk_f32 gk_hit_curvature(const struct gk_resident *r, const struct gk_hit *hit)
+{
+    const gk_f32 of_mesh = gk_as_f32(r->triangle[hit->triangle].flags & GK_TRIANGLE_CURVATURE);
+    const gk_f32 curvature = of_mesh * r->instance[hit->instance].shrink;
+    return hit->cos_g > 0.0f ? -curvature : curvature;
+}
+
 #endif

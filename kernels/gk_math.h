@@ -175,6 +175,22 @@ GK_INLINE gk_f32 gk_log(gk_f32 x)
     return gk_log_limits(x, e * 0.693359375f + (e * -2.12194440e-4f + y));
 }
 
+// ln(1 + x) for x >= -1, 4 ulp, also where x is small: the rounding of 1 + x is divided out (Kahan).
+GK_INLINE gk_f32 gk_log1p(gk_f32 x)
+{
+    const gk_f32 u = 1.0f + x, d = u - 1.0f;
+    const gk_f32 y = gk_log(u);
+    return d == 0.0f ? x : (y - y == 0.0f ? y * (x / d) : y);
+}
+
+// e^x - 1 for x <= 0, 4 ulp, also where x is small (Kahan). -inf gives -1.
+GK_INLINE gk_f32 gk_expm1(gk_f32 x)
+{
+    const gk_f32 u = gk_exp(x), d = u - 1.0f;
+    const gk_f32 y = gk_log(u);
+    return d == 0.0f ? x : (u > 0.1f ? d * (x / y) : d);
+}
+
 // 3 ulp; exact for powers of two.
 GK_INLINE gk_f32 gk_log2(gk_f32 x)
 {

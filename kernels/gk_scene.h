@@ -12,11 +12,14 @@
 #define GK_TRIANGLE_UV1 1u      // has a gk_uv1; else its second texture coordinates are 0
 #define GK_TRIANGLE_COLOURED 2u // has a gk_colour; else its vertex colours are 1
 
+#define GK_TRIANGLE_CURVATURE \
+    0xffff0000u // upper half of the mean curvature's bits, 1/m of the mesh
+
 // Shading record of one triangle; its vertices are Embree's business.
 struct gk_triangle {
     gk_f32 normal[9]; // at the three vertices, in the space of the mesh; all zero: flat
     gk_f32 uv[6];
-    gk_u32 flags; // GK_TRIANGLE_*
+    gk_u32 flags; // GK_TRIANGLE_*, and in the upper half the curvature
 };
 GK_LAYOUT(gk_triangle, 64);
 
@@ -52,7 +55,7 @@ struct gk_instance {
     gk_f32 normal[9]; // inverse transpose up to a positive factor, row-major
     gk_u32 light;     // gk_light of its first triangle, the others follow; GK_NONE: emits nothing
     gk_u32 mover;     // its gk_mover, GK_NONE: it stands still
-    gk_u32 unused;
+    gk_f32 shrink;    // metres of its mesh to one of the world, a mean of all directions
 };
 GK_LAYOUT(gk_instance, 64);
 

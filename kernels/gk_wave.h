@@ -31,49 +31,73 @@
 #define GK_COL_NESTED1 17
 #define GK_COL_NESTED2 18
 #define GK_COL_NESTED3 19
-#define GK_COL_MOVED 20
+// Coverage that the path still has to give away.
+#define GK_COL_HELD 20    // units of GK_MATTE_ONE
+#define GK_COL_WAITS 21   // slot key of the last vertex, GK_WAITS_*; 0: none yet
+#define GK_COL_CARRIED 22 // held b/q: what goes on from there at a weight of 1
+#define GK_COL_SPREAD0 23 // struct gk_spread
+#define GK_COL_SPREAD1 24
+#define GK_COL_SPREAD2 25
+#define GK_COL_LAST 26
+#define GK_COL_SINCE 27
+#define GK_COL_RADIUS 28 // struct gk_cone
+#define GK_COL_SLOPE 29
+#define GK_COL_WAY 30
+#define GK_COL_MOVED 31
 // Hit, written by the tracer and read at once.
-#define GK_COL_U 20
-#define GK_COL_V 21
+#define GK_COL_U 31
+#define GK_COL_V 32
 #define GK_COL_NX \
-    22 // geometric normal, not normalised: of the mesh where it is placed, else of the world
-#define GK_COL_NY 23
-#define GK_COL_NZ 24
-#define GK_COL_PRIMITIVE 25
-#define GK_COL_GEOMETRY 26
-#define GK_COL_INSTANCE 27
+    33 // geometric normal, not normalised: of the mesh where it is placed, else of the world
+#define GK_COL_NY 34
+#define GK_COL_NZ 35
+#define GK_COL_PRIMITIVE 36
+#define GK_COL_GEOMETRY 37
+#define GK_COL_INSTANCE 38
 // Shadow ray and what it brings when it is not occluded.
-#define GK_COL_SOX 28
-#define GK_COL_SOY 29
-#define GK_COL_SOZ 30
-#define GK_COL_SDX 31
-#define GK_COL_SDY 32
-#define GK_COL_SDZ 33
-#define GK_COL_ST 34 // distance; -inf: none, or occluded
-#define GK_COL_SR 35
-#define GK_COL_SG 36
-#define GK_COL_SB 37
-#define GK_COL_SLANE 38
+#define GK_COL_SOX 39
+#define GK_COL_SOY 40
+#define GK_COL_SOZ 41
+#define GK_COL_SDX 42
+#define GK_COL_SDY 43
+#define GK_COL_SDZ 44
+#define GK_COL_ST 45 // distance; -inf: none, or occluded
+#define GK_COL_SR 46
+#define GK_COL_SG 47
+#define GK_COL_SB 48
+#define GK_COL_SLANE 49
 // Constants that the tracer wants.
-#define GK_COL_ZERO 39
-#define GK_COL_MASK 40
+#define GK_COL_ZERO 50
+#define GK_COL_MASK 51
 // Of the lane.
-#define GK_COL_LR 41 // radiance of the sample so far
-#define GK_COL_LG 42
-#define GK_COL_LB 43
-#define GK_COL_KEY 44 // matte index of the first hit, 1: background
-#define GK_COL_Z 45
-#define GK_COL_FNX 46
-#define GK_COL_FNY 47
-#define GK_COL_FNZ 48
-#define GK_COL_AR 49
-#define GK_COL_AG 50
-#define GK_COL_AB 51
-#define GK_COL_FORWARD_U 52 // pixels to where the first hit is a frame later, y up
-#define GK_COL_FORWARD_V 53
-#define GK_COL_BACKWARD_U 54 // a frame earlier
-#define GK_COL_BACKWARD_V 55
-#define GK_COLUMNS 56
+#define GK_COL_LR 52 // radiance of the sample so far
+#define GK_COL_LG 53
+#define GK_COL_LB 54
+#define GK_COL_KEY 55 // matte index of the first hit, 1: background
+#define GK_COL_Z 56
+#define GK_COL_FNX 57
+#define GK_COL_FNY 58
+#define GK_COL_FNZ 59
+#define GK_COL_AR 60
+#define GK_COL_AG 61
+#define GK_COL_AB 62
+#define GK_COL_FORWARD_U 63 // pixels to where the first hit is a frame later, y up
+#define GK_COL_FORWARD_V 64
+#define GK_COL_BACKWARD_U 65 // a frame earlier
+#define GK_COL_BACKWARD_V 66
+// Deposits of the vertex just shaded, which the next pass takes: of the vertex before, and of a last one.
+#define GK_COL_DEPOSIT0 67 // slot key, GK_WAITS_DIRECT; 0: none
+#define GK_COL_AMOUNT0 68  // units
+#define GK_COL_DEPOSIT1 69
+#define GK_COL_AMOUNT1 70
+#define GK_COL_EXCESS 71 // units that weights above one were cut by
+#define GK_COLUMNS 72
+
+// Bits of GK_COL_WAITS beside the slot key.
+#define GK_WAITS_DIRECT 0x80000000u  // seen directly, or by deltas alone
+#define GK_WAITS_CROSSED 0x40000000u // the path went on through x_1, else it was reflected there
+#define GK_WAITS_FIRST 0x20000000u   // it is x_1
+#define GK_WAITS_KEY 0x7fffffu
 
 #define GK_MATTE_BACKGROUND 1u
 

@@ -5,6 +5,7 @@ kernel_headers = \
 	kernels/gk_bsdf.h \
 	kernels/gk_camera.h \
 	kernels/gk_coat.h \
+	kernels/gk_coverage.h \
 	kernels/gk_energy.h \
 	kernels/gk_environment.h \
 	kernels/gk_facet.h \
@@ -13,12 +14,14 @@ kernel_headers = \
 	kernels/gk_frame.h \
 	kernels/gk_fresnel.h \
 	kernels/gk_ggx.h \
+	kernels/gk_held.h \
 	kernels/gk_hit.h \
 	kernels/gk_light.h \
 	kernels/gk_light_grid.h \
 	kernels/gk_lobes.h \
 	kernels/gk_math.h \
 	kernels/gk_matte.h \
+	kernels/gk_matte_shared.h \
 	kernels/gk_medium.h \
 	kernels/gk_sampler.h \
 	kernels/gk_pair.h \
@@ -27,6 +30,7 @@ kernel_headers = \
 	kernels/gk_solid.h \
 	kernels/gk_surface.h \
 	kernels/gk_texture.h \
+	kernels/gk_transport.h \
 	kernels/gk_types.h \
 	kernels/gk_vec.h \
 	kernels/gk_vertex.h \
@@ -42,11 +46,11 @@ kernel_sources = \
 # Every -D that the effects table can set: the kernels are checked with none and with all of them.
 kernel_options = -DGK_AOVS -DGK_BLEND -DGK_CAMERA_MOTION -DGK_CLEARCOAT -DGK_COLLIMATION \
 	-DGK_CULL -DGK_EMISSION -DGK_ENVIRONMENT_CONSTANT -DGK_ENVIRONMENT_IMAGE -DGK_FILM_FP64 \
-	-DGK_FILTER_BLACKMAN_HARRIS -DGK_FLOW -DGK_INSTANCES -DGK_LAYER_TEXTURES -DGK_LENS -DGK_LIGHTS \
+	-DGK_FILTER_BLACKMAN_HARRIS -DGK_FLOW -DGK_GLOSSY_MATTES -DGK_INSTANCES -DGK_LAYER_TEXTURES -DGK_LENS -DGK_LIGHTS \
 	-DGK_LIGHTS_UNIFORM -DGK_LIGHT_GRID -DGK_LIGHT_TABLE -DGK_MEDIUM -DGK_MICROFACET -DGK_MOTION \
 	-DGK_MULTISCATTER -DGK_NEAREST_TEXELS -DGK_NESTED -DGK_NORMAL_MAPS -DGK_ORTHOGRAPHIC \
-	-DGK_SOLIDS -DGK_SPECULAR -DGK_TEXTURES -DGK_TEXTURE_POOLS=4 -DGK_TEXTURE_TRANSFORMS \
-	-DGK_TRANSMISSION -DGK_UV1 -DGK_VERTEX_COLOURS
+	-DGK_OPAQUE_FULL -DGK_SOLIDS -DGK_SPECULAR -DGK_TEXTURES -DGK_TEXTURE_POOLS=4 -DGK_TEXTURE_TRANSFORMS \
+	-DGK_THROUGH -DGK_TRANSMISSION -DGK_UV1 -DGK_VERTEX_COLOURS
 
 kernels = $(kernel_headers) $(kernel_sources)
 EXTRA_DIST += $(kernels)

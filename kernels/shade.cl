@@ -3,6 +3,7 @@
 // Unbiased path tracing with next-event estimation and multiple importance sampling (Veach 1997).
 // One item per path; every item reads and writes its own columns only.
 #include "kernels/gk_light_grid.h"
+#include "kernels/gk_transport.h"
 #include "kernels/gk_vertex.h"
 
 struct gk_lights {
@@ -191,9 +192,34 @@ GK_INLINE void gk_sample_light(__global float *wave, gk_u32 stride, gk_u32 i,
 #endif
 }
 
+// The coverage that the path holds: the vertex before and this one take theirs. scale: 1/q.
+GK_INLINE void gk_carry_coverage(__global float *wave, gk_u32 stride, gk_u32 i,
+                                 const __global struct gk_frame *frame,
+                                 const struct gk_resident *scene, const struct gk_vertex *x,
+                                 const struct gk_next *next, gk_f32 scale, gk_i32 alive)
+{
+#ifdef GK_THROUGH
+    struct gk_transport t = gk_transport_load(wave, stride, i);
+    gk_transport_arrive(&t, frame, scene, x);
+    gk_transport_leave(&t, frame, scene, x, next, scale, alive);
+    gk_transport_store(wave, stride, i, x->path.lane, &t);
+#else
+    (void)wave;
+    (void)stride;
+    (void)i;
+    (void)frame;
+    (void)scene;
+    (void)x;
+    (void)next;
+    (void)scale;
+    (void)alive;
+#endif
+}
+
 // Stores the path's next ray, or none.
 GK_INLINE void gk_go_on(__global float *wave, gk_u32 stride, gk_u32 i,
-                        const __global struct gk_frame *frame, const struct gk_vertex *x)
+                        const __global struct gk_frame *frame, const struct gk_resident *scene,
+                        const struct gk_vertex *x)
 {
     const gk_u32 depth = x->path.depth;
     gk_f32 u_lobe, u_roulette;
@@ -224,6 +250,7 @@ GK_INLINE void gk_go_on(__global float *wave, gk_u32 stride, gk_u32 i,
     GK_STORE_U32(GK_COL_GEOMETRY, i, GK_NONE);
     GK_STORE_U32(GK_COL_INSTANCE, i, GK_NONE);
     gk_store_carried(wave, stride, i, x, &next);
+    gk_carry_coverage(wave, stride, i, frame, scene, x, &next, 1.0f / gk_max(q, 1e-30f), alive);
 }
 
 #ifdef GK_FLOW
@@ -358,5 +385,5 @@ __kernel void shade_surface(
         gk_store_first_hit(wave, stride, frame, &scene, &x);
     gk_add_found(wave, stride, frame, &scene, &lights, &x);
     gk_sample_light(wave, stride, i, frame, &scene, &lights, &x);
-    gk_go_on(wave, stride, i, frame, &x);
+    gk_go_on(wave, stride, i, frame, &scene, &x);
 }

@@ -54,15 +54,22 @@ static bool read_field(const struct glint_json *at, const struct glint_field *f,
     }
 }
 
-bool glint_fields_read(const struct glint_json *object, const struct glint_field *fields,
-                       struct glint_arena *arena, void *record)
+bool glint_fields_read_listed(const struct glint_json *object, const struct glint_field *fields,
+                              struct glint_arena *arena, void *record)
 {
-    bool fine = known_only(object, fields);
+    bool fine = true;
     for (const struct glint_field *f = fields; f->kind; f++) {
         const struct glint_json at = glint_json_member(object, f->name);
         fine &= read_field(&at, f, arena, (char *)record + f->offset);
     }
     return fine;
+}
+
+bool glint_fields_read(const struct glint_json *object, const struct glint_field *fields,
+                       struct glint_arena *arena, void *record)
+{
+    const bool known = known_only(object, fields);
+    return glint_fields_read_listed(object, fields, arena, record) && known;
 }
 
 static void write_uints(struct glint_text *t, const uint32_t *value, size_t count)

@@ -44,6 +44,10 @@ struct glint_field {
 bool glint_fields_read(const struct glint_json *object, const struct glint_field *fields,
                        struct glint_arena *arena, void *record);
 
+// The same where others look for unknown members.
+bool glint_fields_read_listed(const struct glint_json *object, const struct glint_field *fields,
+                              struct glint_arena *arena, void *record);
+
 // The members in the order of the table, without braces.
 void glint_fields_write(struct glint_text *text, const struct glint_field *fields,
                         const void *record);

@@ -10,6 +10,7 @@
 
 #include "frame.h"
 #include "job.h"
+#include "matte_types.h"
 
 // Names of a key of the slot tables.
 struct glint_matte_key {
@@ -66,27 +67,21 @@ glint_status glint_film_frame(const struct glint_film_source *source, const uint
                               uint32_t outputs, struct glint_frame **out, uint32_t *samples,
                               struct glint_error *err);
 
-// Matte layers: 0 object, 1 material, 2 asset.
-enum glint_matte_layer {
-    GLINT_MATTE_OBJECT,
-    GLINT_MATTE_MATERIAL,
-    GLINT_MATTE_ASSET,
-    GLINT_MATTE_LAYERS
-};
 struct glint_matte_total {
     const char *name;
     uint32_t id;
     double coverage;
 }; // pixels covered
-// Every name of the scene with its coverage over the frame; *out malloc'd, the names in the same
-// block. *lost: pixels of coverage that found no slot. GLINT_E_RANGE without a Cryptomatte output.
+// Every name of the scene with its coverage over the frame by what is in `classes`, bits 1 << class:
+// 0 is what is seen directly, glint_matte_class_name() says the others. *out malloc'd, the names in the same
+// block. *lost: pixels of coverage, of whatever class, that found no slot. GLINT_E_RANGE without a Cryptomatte output.
 glint_status glint_film_mattes(const struct glint_film_source *source, enum glint_matte_layer layer,
-                               struct glint_matte_total **out, size_t *count, double *lost,
-                               struct glint_error *err);
+                               uint32_t classes, struct glint_matte_total **out, size_t *count,
+                               double *lost, struct glint_error *err);
 
 // Union coverage of the named; an unknown name is GLINT_E_NOT_FOUND at /name. One plane "A".
 glint_status glint_film_matte(const struct glint_film_source *source, enum glint_matte_layer layer,
-                              const char *const *names, size_t count, struct glint_frame **out,
-                              struct glint_error *err);
+                              uint32_t classes, const char *const *names, size_t count,
+                              struct glint_frame **out, struct glint_error *err);
 
 #endif

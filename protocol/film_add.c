@@ -53,14 +53,18 @@ void glint_film_add_planes(const struct glint_film_info *info, float *to, uint32
 uint64_t glint_film_add_table(const struct glint_film_info *info, uint64_t *to,
                               const uint64_t *from)
 {
-    const uint32_t slots = info->job->matte_slots;
-    const uint32_t policy =
-        info->job->dial[GLINT_DIAL_EVICTION] == 0 ? GK_MATTE_DROP : GK_MATTE_DIRECT_FIRST;
-    uint64_t lost = from[slots];
-    for (uint32_t s = 0; s < slots; s++)
-        if (gk_matte_key(from[s]))
-            lost += gk_matte_deposit(to, slots, gk_matte_key(from[s]), gk_matte_direct(from[s]),
-                                     gk_matte_amount(from[s]), policy);
+    const uint32_t slots = info->job->matte_slots, policy = info->job->dial[GLINT_DIAL_EVICTION];
+    uint64_t homeless = from[slots], lost = from[slots];
+    for (uint32_t s = 0; s < slots; s++) {
+        const uint32_t key = gk_matte_key(from[s]);
+        if (!key)
+            continue;
+        const uint64_t amount = gk_matte_amount(from[s]);
+        if (gk_matte_find(to, slots, key).found == GK_MATTE_NOWHERE)
+            homeless += amount;
+        lost += gk_matte_deposit(to, slots, key, gk_matte_direct(from[s]), amount, policy,
+                                 gk_mix32(key ^ gk_mix32((uint32_t)amount + s)));
+    }
     to[slots] += lost;
-    return lost;
+    return homeless;
 }

@@ -15,7 +15,9 @@
 // Planes of the frame being made; NULL where an output is not asked for.
 struct planes {
     float *rgba[4], *depth, *normal[3], *albedo[3], *samples, *variance[3], *flow[4];
-    float *rank[GLINT_MATTE_LAYERS][MAX_LAYERS][4];
+    float *rank[GLINT_MAX_MATTE_TYPES][MAX_LAYERS][4];
+    struct glint_matte_type type[GLINT_MAX_MATTE_TYPES];
+    size_t types;
 };
 
 static bool add_planes(struct glint_frame *f, float **out, const char *const *name, int n,
@@ -27,22 +29,21 @@ static bool add_planes(struct glint_frame *f, float **out, const char *const *na
     return ok;
 }
 
-static bool add_ranks(struct glint_frame *f, struct planes *p, uint32_t levels,
-                      enum glint_matte_layer layer)
+static bool add_ranks(struct glint_frame *f, struct planes *p, uint32_t levels, size_t type)
 {
     static const char letter[4] = {'R', 'G', 'B', 'A'};
     bool ok = true;
     for (uint32_t l = 0; l < (levels + 1) / 2; l++)
         for (int k = 0; k < 4; k++) {
             char name[32];
-            snprintf(name, sizeof name, "%s%02u.%c", glint_film_matte_type[layer], l, letter[k]);
-            ok &= (p->rank[layer][l][k] = glint_frame_channel(f, name, GLINT_PIXEL_FLOAT)) != NULL;
+            snprintf(name, sizeof name, "%s%02u.%c", p->type[type].name, l, letter[k]);
+            ok &= (p->rank[type][l][k] = glint_frame_channel(f, name, GLINT_PIXEL_FLOAT)) != NULL;
         }
     return ok;
 }
 
-static glint_status make_planes(struct glint_frame *f, uint32_t outputs, uint32_t levels,
-                                struct planes *p, struct glint_error *err)
+static glint_status make_planes(struct glint_frame *f, const struct glint_job *job,
+                                uint32_t outputs, struct planes *p, struct glint_error *err)
 {
     static const char *const rgba[] = {"R", "G", "B", "A"}, *const z[] = {"Z"},
                              *const samples[] = {"samples.Y"};
@@ -60,8 +61,9 @@ static glint_status make_planes(struct glint_frame *f, uint32_t outputs, uint32_
     ok &= !(outputs & GLINT_OUT_VARIANCE) ||
           add_planes(f, p->variance, variance, 3, GLINT_PIXEL_FLOAT);
     ok &= !(outputs & GLINT_OUT_MOTION) || add_planes(f, p->flow, flow, 4, GLINT_PIXEL_FLOAT);
-    for (int l = 0; l < GLINT_MATTE_LAYERS; l++)
-        ok &= !(outputs & glint_film_matte_output[l]) || add_ranks(f, p, levels, l);
+    p->types = glint_matte_types(job, outputs, p->type);
+    for (size_t t = 0; t < p->types; t++)
+        ok &= add_ranks(f, p, job->matte_levels, t);
     return ok ? GLINT_OK
               : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a frame of %ux%u", f->width,
                            f->height);
@@ -136,11 +138,9 @@ static void store_ranks(const struct glint_cryptomatte_rank *rank, uint32_t n, u
 static void resolve_mattes(const struct at *a, const struct planes *p)
 {
     struct glint_cryptomatte_rank rank[GLINT_MAX_SLOTS];
-    for (int l = 0; l < GLINT_MATTE_LAYERS; l++) {
-        if (!p->rank[l][0][0])
-            continue;
-        const uint32_t n = glint_film_rank(a->info, a->table, l, a->samples, rank);
-        store_ranks(rank, n, a->info->job->matte_levels, p->rank[l], a->out);
+    for (size_t t = 0; t < p->types; t++) {
+        const uint32_t n = glint_film_rank(a->info, a->table, &p->type[t], a->samples, rank);
+        store_ranks(rank, n, a->info->job->matte_levels, p->rank[t], a->out);
     }
 }
 
@@ -232,15 +232,12 @@ glint_status glint_film_attributes(const struct glint_film_source *s, struct gli
 }
 
 static glint_status add_manifests(const struct glint_film_info *info, struct glint_frame *f,
-                                  uint32_t outputs)
+                                  const struct planes *p)
 {
     glint_status st = GLINT_OK;
-    for (int l = 0; !st && l < GLINT_MATTE_LAYERS; l++) {
-        if (!(outputs & glint_film_matte_output[l]))
-            continue;
-        char *manifest = glint_film_manifest(info, l);
-        st = manifest ? glint_cryptomatte_header(f, glint_film_matte_type[l], manifest)
-                      : GLINT_E_NOMEM;
+    for (size_t t = 0; !st && t < p->types; t++) {
+        char *manifest = glint_film_manifest(info, p->type[t].layer);
+        st = manifest ? glint_cryptomatte_header(f, p->type[t].name, manifest) : GLINT_E_NOMEM;
         free(manifest);
     }
     return st;
@@ -249,13 +246,13 @@ static glint_status add_manifests(const struct glint_film_info *info, struct gli
 static glint_status fill(struct making *m, struct glint_frame *f, uint32_t outputs,
                          struct glint_error *err)
 {
-    glint_status st = make_planes(f, outputs, m->source->info->job->matte_levels, &m->planes, err);
+    glint_status st = make_planes(f, m->source->info->job, outputs, &m->planes, err);
     if (!st)
         st = resolve_frame(m, err);
     if (st)
         return st;
     st = glint_film_attributes(m->source, f, m->fewest);
-    st = st ? st : add_manifests(m->source->info, f, outputs);
+    st = st ? st : add_manifests(m->source->info, f, &m->planes);
     return st ? glint_fail(err, st, "", "no memory for the frame's header") : GLINT_OK;
 }
 

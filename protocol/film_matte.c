@@ -63,6 +63,7 @@ static glint_status each_pixel(const struct glint_film_source *s, visit_pixel *v
 }
 
 struct totals {
+    uint32_t classes;
     double *key; // [mattes], pixels
     double lost;
 };
@@ -72,8 +73,11 @@ static void add_totals(const struct glint_film_info *info, const struct covered 
     struct totals *sum = user;
     const uint32_t slots = info->job->matte_slots;
     const double unit = 1.0 / ((double)GK_MATTE_ONE * at->samples);
-    for (uint32_t s = 0; s < slots; s++)
-        sum->key[gk_matte_key(at->table[s])] += (double)gk_matte_amount(at->table[s]) * unit;
+    for (uint32_t s = 0; s < slots; s++) {
+        const uint32_t key = gk_matte_key(at->table[s]);
+        if (sum->classes >> gk_matte_class(key) & 1)
+            sum->key[key & GK_MATTE_BASE_KEY] += (double)gk_matte_amount(at->table[s]) * unit;
+    }
     sum->lost += (double)at->table[slots] * unit;
 }
 
@@ -132,15 +136,15 @@ static glint_status add_up(const struct glint_film_source *s, enum glint_matte_l
 }
 
 glint_status glint_film_mattes(const struct glint_film_source *s, enum glint_matte_layer layer,
-                               struct glint_matte_total **out, size_t *count, double *lost,
-                               struct glint_error *err)
+                               uint32_t classes, struct glint_matte_total **out, size_t *count,
+                               double *lost, struct glint_error *err)
 {
     *out = NULL;
     *count = 0;
     if (!s->info->coverage)
         return no_coverage(err);
     const size_t n = s->info->mattes + (size_t)1;
-    struct totals sum = {calloc(n, sizeof *sum.key), 0.0};
+    struct totals sum = {classes, calloc(n, sizeof *sum.key), 0.0};
     struct glint_matte_total *list = malloc(n * sizeof *list);
     const glint_status st = sum.key && list
                                 ? add_up(s, layer, &sum, list, out, count, err)
@@ -152,17 +156,20 @@ glint_status glint_film_mattes(const struct glint_film_source *s, enum glint_mat
 }
 
 struct selection {
-    const bool *key; // [mattes]
-    float *plane;    // of the region
+    uint32_t classes;
+    bool *key;    // [mattes]
+    float *plane; // of the region
 };
 
 static void add_selected(const struct glint_film_info *info, const struct covered *at, void *user)
 {
     const struct selection *of = user;
     uint64_t amount = 0;
-    for (uint32_t s = 0; s < info->job->matte_slots; s++)
-        if (of->key[gk_matte_key(at->table[s])])
+    for (uint32_t s = 0; s < info->job->matte_slots; s++) {
+        const uint32_t key = gk_matte_key(at->table[s]);
+        if (of->classes >> gk_matte_class(key) & 1 && of->key[key & GK_MATTE_BASE_KEY])
             amount += gk_matte_amount(at->table[s]);
+    }
     of->plane[at->out] = (float)((double)amount / ((double)GK_MATTE_ONE * at->samples));
 }
 
@@ -178,53 +185,54 @@ static glint_status select_names(const struct glint_film_info *info, enum glint_
                 found = selected[k] = true;
         if (!found)
             st = glint_fail(err, GLINT_E_NOT_FOUND, "/name", "no %s is named \"%s\"",
-                            glint_film_matte_type[layer], names[i]);
+                            glint_matte_layer_type(layer), names[i]);
     }
     return st;
 }
 
-static glint_status fill_matte(const struct glint_film_source *s, const bool *selected,
+static glint_status fill_matte(const struct glint_film_source *s, struct selection *of,
                                struct glint_frame *f, struct glint_error *err)
 {
-    struct selection of = {selected, glint_frame_channel(f, "A", GLINT_PIXEL_FLOAT)};
     uint32_t fewest = 0;
-    if (of.plane) {
-        const glint_status st = each_pixel(s, add_selected, &of, &fewest, err);
+    of->plane = glint_frame_channel(f, "A", GLINT_PIXEL_FLOAT);
+    if (of->plane) {
+        const glint_status st = each_pixel(s, add_selected, of, &fewest, err);
         if (st)
             return st;
     }
-    return of.plane && !glint_film_attributes(s, f, fewest)
+    return of->plane && !glint_film_attributes(s, f, fewest)
                ? GLINT_OK
                : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a matte");
 }
 
 static glint_status unite(const struct glint_film_source *s, enum glint_matte_layer layer,
-                          const char *const *names, size_t count, bool *selected,
+                          const char *const *names, size_t count, struct selection *of,
                           struct glint_frame **out, struct glint_error *err)
 {
     const struct glint_job *job = s->info->job;
-    glint_status st = select_names(s->info, layer, names, count, selected, err);
+    glint_status st = select_names(s->info, layer, names, count, of->key, err);
     if (!st)
         st = glint_frame_create(out, job->width, job->height, (int32_t)job->region[0],
                                 (int32_t)job->region[1], job->region[2], job->region[3], err);
     if (st)
         return st;
-    st = fill_matte(s, selected, *out, err);
+    st = fill_matte(s, of, *out, err);
     if (st)
         glint_frame_destroy(out);
     return st;
 }
 
 glint_status glint_film_matte(const struct glint_film_source *s, enum glint_matte_layer layer,
-                              const char *const *names, size_t count, struct glint_frame **out,
-                              struct glint_error *err)
+                              uint32_t classes, const char *const *names, size_t count,
+                              struct glint_frame **out, struct glint_error *err)
 {
     *out = NULL;
     if (!s->info->coverage)
         return no_coverage(err);
-    bool *selected = calloc(s->info->mattes + (size_t)1, sizeof *selected);
-    const glint_status st = selected ? unite(s, layer, names, count, selected, out, err)
-                                     : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a matte");
-    free(selected);
+    struct selection of = {.classes = classes,
+                           .key = calloc(s->info->mattes + (size_t)1, sizeof *of.key)};
+    const glint_status st = of.key ? unite(s, layer, names, count, &of, out, err)
+                                   : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a matte");
+    free(of.key);
     return st;
 }

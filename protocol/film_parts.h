@@ -7,14 +7,11 @@
 
 #define GLINT_MAX_SLOTS 32
 
-extern const char *const glint_film_matte_type[GLINT_MATTE_LAYERS]; // "CryptoObject" and so on
-extern const uint32_t glint_film_matte_output[GLINT_MATTE_LAYERS];
-
-// Fills rank[slots] with the IDs of a layer that cover the pixel with this table, sorted, coverage
+// Fills rank[slots] with the IDs of a type that cover the pixel with this table, sorted, coverage
 // over `samples`; several keys may share an ID. Returns their number.
 // Source: Cryptomatte 1.2.0, "Ranking Pixel Filter".
 uint32_t glint_film_rank(const struct glint_film_info *info, const uint64_t *table,
-                         enum glint_matte_layer layer, uint32_t samples,
+                         const struct glint_matte_type *type, uint32_t samples,
                          struct glint_cryptomatte_rank *rank);
 
 // The manifest of every name in a layer; malloc'd, NULL without memory.

@@ -6,28 +6,24 @@
 
 #include <stdlib.h>
 
-const char *const glint_film_matte_type[GLINT_MATTE_LAYERS] = {"CryptoObject", "CryptoMaterial",
-                                                               "CryptoAsset"};
-const uint32_t glint_film_matte_output[GLINT_MATTE_LAYERS] = {
-    GLINT_OUT_CRYPTO_OBJECT, GLINT_OUT_CRYPTO_MATERIAL, GLINT_OUT_CRYPTO_ASSET};
-
 static uint32_t id_of(const struct glint_film_info *info, uint32_t key,
                       enum glint_matte_layer layer)
 {
-    return key == GK_MATTE_BACKGROUND ? 0 : info->matte[key].id[layer];
+    const uint32_t matte = key & GK_MATTE_BASE_KEY;
+    return matte == GK_MATTE_BACKGROUND ? 0 : info->matte[matte].id[layer];
 }
 
 uint32_t glint_film_rank(const struct glint_film_info *info, const uint64_t *table,
-                         enum glint_matte_layer layer, uint32_t samples,
+                         const struct glint_matte_type *type, uint32_t samples,
                          struct glint_cryptomatte_rank *rank)
 {
     uint64_t amount[GLINT_MAX_SLOTS];
     uint32_t n = 0;
     for (uint32_t s = 0; s < info->job->matte_slots; s++) {
         const uint32_t key = gk_matte_key(table[s]);
-        if (!key)
+        if (!key || gk_matte_class(key) != type->class_of_it)
             continue;
-        const uint32_t id = id_of(info, key, layer);
+        const uint32_t id = id_of(info, key, type->layer);
         uint32_t k = 0;
         while (k < n && rank[k].id != id)
             k++;

@@ -16,6 +16,8 @@ static void set_defaults(struct glint_job *job)
     job->outputs = GLINT_OUT_BEAUTY | GLINT_OUT_CRYPTO;
     memcpy(job->dial, glint_preset_table[0].setting, sizeof job->dial);
     job->matte_levels = 6;
+    job->matte_alpha = 0.1f;
+    job->matte_clamp = job->matte_diffuse_cut = job->matte_env_id = true;
     job->filter = GLINT_FILTER_BLACKMAN_HARRIS;
     job->max_bounces = 8;
     job->stop.samples = GLINT_DEFAULT_SAMPLES;
@@ -167,6 +169,10 @@ static void read_mattes(const struct glint_json *at, struct glint_job *job)
     known_only(at, "mattes", glint_matte_fields);
     read_dials(at, "mattes", job);
     read_slots(at, job);
+    glint_fields_read_listed(at, glint_matte_fields + 2, &job->arena, job);
+    const struct glint_json bins = glint_json_member(at, "depth_bins");
+    if (job->matte_classes && job->matte_depth_bins)
+        glint_json_fault(&bins, "a path has a class of bounce or one of depth, not both");
 }
 
 // ---- the rest

@@ -48,6 +48,8 @@ libglint_a_SOURCES = \
 	protocol/json.h \
 	protocol/json_check.c \
 	protocol/json_read.c \
+	protocol/matte_types.c \
+	protocol/matte_types.h \
 	protocol/multipart.c \
 	protocol/multipart.h \
 	protocol/nearest.c \

@@ -10,6 +10,7 @@ UNIT_TESTS = \
 	tests/kernel/test_bsdf_density \
 	tests/kernel/test_bsdf_layers \
 	tests/kernel/test_bsdf_layers_density \
+	tests/kernel/test_coverage \
 	tests/kernel/test_dialects \
 	tests/kernel/test_film_sums \
 	tests/kernel/test_filter \
@@ -17,8 +18,10 @@ UNIT_TESTS = \
 	tests/kernel/test_light \
 	tests/kernel/test_math \
 	tests/kernel/test_matte \
+	tests/kernel/test_matte_shared \
 	tests/kernel/test_medium \
 	tests/kernel/test_sampler \
+	tests/render/test_bounces \
 	tests/render/test_camera \
 	tests/render/test_effects \
 	tests/render/test_features \
@@ -118,6 +121,8 @@ tests_render_render_file_SOURCES = tests/render/render_file.c $(offline)
 tests_render_test_camera_SOURCES = tests/render/test_camera.c $(offline) $(picture)
 tests_render_test_transport_SOURCES = tests/render/test_transport.c $(offline)
 tests_unit_test_film_SOURCES = tests/unit/test_film.c $(offline)
+tests_render_test_bounces_SOURCES = tests/render/test_bounces.c tests/stability/stable.c \
+	tests/stability/stable.h $(offline) $(things)
 tests_render_test_matte_names_SOURCES = tests/render/test_matte_names.c $(offline) $(things)
 tests_render_test_mattes_SOURCES = tests/render/test_mattes.c $(offline) $(things)
 tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
@@ -145,13 +150,15 @@ tests_stability_test_rays_SOURCES = tests/stability/test_rays.c $(stable)
 tests_stability_test_texture_SOURCES = tests/stability/test_texture.c $(stable)
 
 # Measurements: built and run by name.
-EXTRA_PROGRAMS += tests/bench/embree_share tests/bench/exr_tile tests/bench/memory tests/bench/million_scene \
-	tests/bench/stream_load
+EXTRA_PROGRAMS += tests/bench/embree_share tests/bench/exr_tile tests/bench/matte_overhead \
+	tests/bench/memory tests/bench/million_scene tests/bench/stream_load
 tests_bench_embree_share_SOURCES = tests/bench/embree_share.c tests/bench/bench.c \
 	tests/bench/bench.h $(offline)
 tests_bench_embree_share_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_geometry_trace_wave \
 	-Wl,--wrap=glint_geometry_shadow_wave
 tests_bench_exr_tile_LDADD = $(PROTOCOL_LIBS)
+tests_bench_matte_overhead_SOURCES = tests/bench/matte_overhead.c tests/bench/bench.c \
+	tests/bench/bench.h $(offline)
 tests_bench_memory_SOURCES = tests/bench/memory.c $(offline)
 tests_bench_million_scene_SOURCES = tests/bench/million_scene.c tests/bench/bench.c \
 	tests/bench/bench.h

@@ -117,6 +117,46 @@ static void add_ring(struct glint_shape *s, const double point[2], const double 
     }
 }
 
+// The mean of the normals of the pieces that meet at point i.
+static void point_normal(const struct glint_profile *profile, size_t i, double out[2])
+{
+    double before[2], after[2];
+    const size_t last = profile->points - 1, a = i ? i - 1 : 0, b = i < last ? i : last - 1;
+    piece_normal(profile->point[a], profile->point[a + 1], before);
+    piece_normal(profile->point[b], profile->point[b + 1], after);
+    const double r = before[0] + after[0], y = before[1] + after[1], length = hypot(r, y);
+    out[0] = r / length;
+    out[1] = y / length;
+}
+
+void glint_shape_extrude(struct glint_shape *out, const struct glint_profile *profile, double width)
+{
+    const uint32_t first = (uint32_t)out->vertices;
+    for (size_t i = 0; i < profile->points; i++) {
+        const double *p = profile->point[i];
+        double n[2];
+        point_normal(profile, i, n);
+        for (int side = 0; side < 2; side++)
+            add_vertex(out, (double[]){width * (side - 0.5), p[1], p[0]},
+                       (double[]){0, n[1], n[0]});
+    }
+    add_grid(out, first, (int)profile->points - 1, 1);
+}
+
+void glint_shape_field(struct glint_shape *out, double size, int steps,
+                       void (*at)(double x, double z, double *height, double normal[3]))
+{
+    const uint32_t first = (uint32_t)out->vertices;
+    for (int j = 0; j <= steps; j++)
+        for (int i = 0; i <= steps; i++) {
+            const double x = size * ((double)i / steps - 0.5), z = size * (0.5 - (double)j / steps);
+            double height, normal[3];
+            at(x, z, &height, normal);
+            add_vertex(out, (double[]){x, height, z}, normal);
+        }
+    add_grid(out, first, steps, steps);
+}
+
 void glint_shape_lathe(struct glint_shape *out, const struct glint_profile *profile, double from,
                        double to, int segments)
 {

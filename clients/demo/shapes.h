@@ -36,6 +36,15 @@ void glint_profile_arc(struct glint_profile *profile, double radius, double heig
 void glint_shape_lathe(struct glint_shape *out, const struct glint_profile *profile, double from,
                        double to, int segments);
 
+// The outline as a sheet, its first number along z, `width` wide about x = 0; facing the side that a
+// body of revolution has outside. Smooth all over.
+void glint_shape_extrude(struct glint_shape *out, const struct glint_profile *profile,
+                         double width);
+
+// A square sheet of height(x, z) about the origin, `size` wide, in steps x steps pieces.
+void glint_shape_field(struct glint_shape *out, double size, int steps,
+                       void (*at)(double x, double z, double *height, double normal[3]));
+
 // Fills between the outline and the height `base`, in the half plane at `angle`; side 1: facing
 // larger angles, -1: smaller ones.
 void glint_shape_cap(struct glint_shape *out, const struct glint_profile *profile, double angle,

@@ -9,7 +9,6 @@
 #include <string.h>
 
 static const char *const layer_name[] = {"object", "material", "asset", NULL};
-static const char *const layer_type[] = {"CryptoObject", "CryptoMaterial", "CryptoAsset"};
 static const uint32_t layer_output[] = {GLINT_OUT_CRYPTO_OBJECT, GLINT_OUT_CRYPTO_MATERIAL,
                                         GLINT_OUT_CRYPTO_ASSET};
 
@@ -24,23 +23,38 @@ static cJSON *name_object(const char *name, uint32_t id, double coverage)
     return o;
 }
 
-static glint_status add_layer(cJSON *layers, glint_render *render, int layer,
+// Coverage by the names of a layer, of what the paths of one class have brought.
+static glint_status add_class(cJSON *names, const struct glint_job_view *view,
+                              enum glint_matte_layer layer, uint32_t class_of_it, double *lost,
                               struct glint_error *err)
 {
     struct glint_matte_total *total = NULL;
     size_t count = 0;
-    double lost = 0;
     const glint_status st =
-        glint_render_mattes(render, (enum glint_matte_layer)layer, &total, &count, &lost, err);
-    if (st)
-        return st;
+        glint_render_mattes(view->render, layer, 1u << class_of_it, &total, &count, lost, err);
+    for (size_t i = 0; !st && i < count; i++) {
+        if (class_of_it == 0)
+            cJSON_AddItemToArray(names, name_object(total[i].name, total[i].id, total[i].coverage));
+        else
+            cJSON_AddNumberToObject(cJSON_GetArrayItem(names, (int)i),
+                                    glint_matte_class_name(view->job, class_of_it),
+                                    total[i].coverage);
+    }
+    free(total);
+    return st;
+}
+
+static glint_status add_layer(cJSON *layers, const struct glint_job_view *view, int layer,
+                              struct glint_error *err)
+{
+    double lost = 0;
     cJSON *o = cJSON_AddObjectToObject(layers, layer_name[layer]);
     cJSON *names = cJSON_AddArrayToObject(o, "names");
-    for (size_t i = 0; i < count; i++)
-        cJSON_AddItemToArray(names, name_object(total[i].name, total[i].id, total[i].coverage));
+    glint_status st = GLINT_OK;
+    for (uint32_t c = 0; !st && c <= glint_matte_classes(view->job); c++)
+        st = add_class(names, view, (enum glint_matte_layer)layer, c, &lost, err);
     cJSON_AddNumberToObject(o, "lost", lost);
-    free(total);
-    return GLINT_OK;
+    return st;
 }
 
 // GET mattes: names, IDs and pixels covered, of one layer or of all that the job has.
@@ -58,7 +72,7 @@ void glint_http_mattes_list(struct glint_request *r)
     glint_status st = GLINT_OK;
     for (int i = 0; !st && layer_name[i]; i++)
         if (i == only || (only < 0 && view.job->outputs & layer_output[i]))
-            st = add_layer(layers, view.render, i, &err);
+            st = add_layer(layers, &view, i, &err);
     glint_jobs_release(r->http->jobs, &view);
     if (st) {
         cJSON_Delete(answer);
@@ -82,19 +96,45 @@ static void answer_query_error(struct glint_request *r, struct glint_error *rend
     glint_answer_error(r, &err);
 }
 
+static uint32_t class_bit(const struct glint_job *job, const char *name, size_t length)
+{
+    for (uint32_t c = 0; c <= glint_matte_classes(job); c++) {
+        const char *known = glint_matte_class_name(job, c);
+        if (strlen(known) == length && !strncmp(known, name, length))
+            return 1u << c;
+    }
+    return 0;
+}
+
+// The classes that `through` lists, as bits; what is seen directly where it is not there.
+static uint32_t read_through(const struct glint_request *r, const struct glint_job *job,
+                             struct glint_error *err)
+{
+    const char *at = glint_request_query(r, "through");
+    uint32_t classes = at ? 0 : 1;
+    while (at) {
+        const size_t length = strcspn(at, ",");
+        const uint32_t bit = class_bit(job, at, length);
+        if (!bit)
+            glint_fail(err, GLINT_E_RANGE, "", "through: the job has no mattes of \"%.*s\"",
+                       (int)(length < 40 ? length : 40), at);
+        classes |= bit;
+        at = at[length] ? at + length + 1 : NULL;
+    }
+    return classes;
+}
+
 // The union matte that the query asks for; NULL: there is an answer, or the request waits.
 static struct glint_frame *open_matte(struct glint_request *r)
 {
-    static const char *const through[] = {"primary", NULL};
     struct glint_error err = {0};
     struct glint_job_view view;
     struct glint_frame *frame = NULL;
     const char *name[GLINT_MAX_PARAMETERS];
     size_t names = 0;
-    int layer = GLINT_MATTE_OBJECT, class = 0;
+    int layer = GLINT_MATTE_OBJECT;
     glint_query_check(r, &err);
     glint_query_choice(r, "layer", layer_name, &layer, &err);
-    glint_query_choice(r, "through", through, &class, &err);
     for (size_t i = 0; i < r->parameters; i++)
         if (!strcmp(r->parameter[i].name, "name"))
             name[names++] = r->parameter[i].value;
@@ -102,7 +142,11 @@ static struct glint_frame *open_matte(struct glint_request *r)
         glint_fail(&err, GLINT_E_RANGE, "", "name: at least one is needed");
     if (!glint_pixels_open(r, &view, &err))
         return NULL;
-    if (glint_render_matte(view.render, (enum glint_matte_layer)layer, name, names, &frame, &err))
+    const uint32_t classes = read_through(r, view.job, &err);
+    if (err.count)
+        glint_answer_error(r, &err);
+    else if (glint_render_matte(view.render, (enum glint_matte_layer)layer, classes, name, names,
+                                &frame, &err))
         answer_query_error(r, &err);
     glint_jobs_release(r->http->jobs, &view);
     return frame;
@@ -154,12 +198,12 @@ static const char *find_name(const struct glint_matte_total *total, size_t count
     return "";
 }
 
-// One rank of one layer at a pixel. False: the frame has no more ranks.
-static bool read_rank(const struct glint_frame *frame, int layer, int rank, size_t pixel,
+// One rank of one type at a pixel. False: the frame has no more ranks.
+static bool read_rank(const struct glint_frame *frame, const char *type, int rank, size_t pixel,
                       uint32_t *id, float *coverage)
 {
-    char name[32];
-    snprintf(name, sizeof name, "%s%02d.%c", layer_type[layer], rank / 2, "RB"[rank % 2]);
+    char name[40];
+    snprintf(name, sizeof name, "%.27s%02d.%c", type, rank / 2, "RB"[rank % 2]);
     const float *ids = glint_frame_find(frame, name);
     name[strlen(name) - 1] = "GA"[rank % 2];
     const float *coverages = glint_frame_find(frame, name);
@@ -170,20 +214,24 @@ static bool read_rank(const struct glint_frame *frame, int layer, int rank, size
     return true;
 }
 
-static glint_status pick_layer(cJSON *out, glint_render *render, const struct glint_frame *frame,
-                               int layer, size_t pixel, struct glint_error *err)
+static glint_status pick_type(cJSON *out, const struct glint_job_view *view,
+                              const struct glint_frame *frame, const struct glint_matte_type *type,
+                              size_t pixel, struct glint_error *err)
 {
     struct glint_matte_total *total = NULL;
     size_t count = 0;
     double lost;
     const glint_status st =
-        glint_render_mattes(render, (enum glint_matte_layer)layer, &total, &count, &lost, err);
+        glint_render_mattes(view->render, type->layer, 1u, &total, &count, &lost, err);
     if (st)
         return st;
-    cJSON *list = cJSON_AddArrayToObject(out, layer_name[layer]);
+    const char *class_name = glint_matte_class_name(view->job, type->class_of_it);
+    cJSON *of_class = cJSON_GetObjectItemCaseSensitive(out, class_name);
+    of_class = of_class ? of_class : cJSON_AddObjectToObject(out, class_name);
+    cJSON *list = cJSON_AddArrayToObject(of_class, layer_name[type->layer]);
     uint32_t id;
     float coverage;
-    for (int rank = 0; read_rank(frame, layer, rank, pixel, &id, &coverage); rank++)
+    for (int rank = 0; read_rank(frame, type->name, rank, pixel, &id, &coverage); rank++)
         if (id && coverage > 0)
             cJSON_AddItemToArray(list, name_object(find_name(total, count, id), id, coverage));
     free(total);
@@ -208,11 +256,11 @@ static glint_status pick(struct glint_request *r, const struct glint_job_view *v
     cJSON *answer = cJSON_CreateObject();
     cJSON_AddNumberToObject(answer, "x", (double)x);
     cJSON_AddNumberToObject(answer, "y", (double)y);
-    cJSON *primary = cJSON_AddObjectToObject(answer, "primary");
+    struct glint_matte_type type[GLINT_MAX_MATTE_TYPES];
+    const size_t types = glint_matte_types(view->job, outputs, type);
     const size_t pixel = (size_t)(y - region[1]) * frame->width + (size_t)(x - region[0]);
-    for (int i = 0; !st && layer_name[i]; i++)
-        if (outputs & layer_output[i])
-            st = pick_layer(primary, view->render, frame, i, pixel, err);
+    for (size_t t = 0; !st && t < types; t++)
+        st = pick_type(answer, view, frame, &type[t], pixel, err);
     glint_frame_destroy(&frame);
     if (!st)
         glint_answer_json(r, MHD_HTTP_OK, answer);

@@ -169,6 +169,29 @@ static void fill_lighting(const struct glint_view *r, struct gk_frame *f)
 // Bounces before roulette: the first ones carry most of a picture.
 #define ROULETTE_START 3u
 
+static uint32_t matte_flags(const struct glint_job *job)
+{
+    return (job->dial[GLINT_DIAL_THROUGH] == GLINT_THROUGH_GLOSSY ? GK_MATTES_GLOSSY : 0u) |
+           (job->matte_clamp ? GK_MATTES_CLAMP : 0u) |
+           (job->dial[GLINT_DIAL_VARIANCE] != 0 ? GK_MATTES_EQ3 : 0u) |
+           (job->matte_diffuse_cut ? GK_MATTES_CUT : 0u) |
+           (job->matte_env_id ? GK_MATTES_ENVIRONMENT : 0u) |
+           (job->matte_classes ? GK_MATTES_CLASSES : 0u) |
+           (job->dial[GLINT_DIAL_COVERAGE] != 0 ? GK_MATTES_OPAQUE : 0u);
+}
+
+// The cone of a camera sample is a pixel wide: tan(fov_x/2)/width on either side of it.
+static void fill_mattes(const struct glint_view *r, struct gk_frame *f)
+{
+    const float half_pixel = (float)(0.5 * pixel_size(r));
+    const bool flat = r->camera.projection == GLINT_ORTHOGRAPHIC;
+    f->matte_alpha = r->job.matte_alpha;
+    f->matte_slope = flat ? 0.0f : half_pixel;
+    f->matte_radius = flat ? half_pixel : 0.0f;
+    f->matte_bins = r->job.matte_depth_bins;
+    f->matte_flags = matte_flags(&r->job);
+}
+
 void glint_render_constants(const struct glint_view *r, struct gk_frame *out)
 {
     memset(out, 0, sizeof *out);
@@ -177,6 +200,7 @@ void glint_render_constants(const struct glint_view *r, struct gk_frame *out)
     fill_flow(r, out);
     fill_medium(r, out);
     fill_lighting(r, out);
+    fill_mattes(r, out);
     out->seed = r->job.seed;
     out->frame = r->job.frame;
     out->filter_width = r->job.filter_width;

@@ -14,6 +14,7 @@ const char *const glint_pass_name[GLINT_PASSES] = {
     [GLINT_PASS_COMPACT] = "compact survivors",
     [GLINT_PASS_COLOUR] = "accumulate colour",
     [GLINT_PASS_AOVS] = "accumulate AOVs",
+    [GLINT_PASS_CARRIED] = "deposit carried coverage",
     [GLINT_PASS_COVERAGE] = "deposit ID coverage",
 };
 
@@ -96,6 +97,21 @@ static bool calls_aovs(const struct glint_effect_input *in)
 static bool calls_coverage(const struct glint_effect_input *in)
 {
     return in->job->outputs & GLINT_OUT_CRYPTO;
+}
+
+static bool calls_through(const struct glint_effect_input *in)
+{
+    return calls_coverage(in) && in->job->dial[GLINT_DIAL_THROUGH] != GLINT_THROUGH_NONE;
+}
+
+static bool calls_glossy(const struct glint_effect_input *in)
+{
+    return calls_coverage(in) && in->job->dial[GLINT_DIAL_THROUGH] == GLINT_THROUGH_GLOSSY;
+}
+
+static bool calls_opaque_full(const struct glint_effect_input *in)
+{
+    return calls_through(in) && in->job->dial[GLINT_DIAL_COVERAGE] != 0;
 }
 
 static bool calls_uniform_lights(const struct glint_effect_input *in)
@@ -379,6 +395,28 @@ const struct glint_effect glint_effect_table[] = {
      .passes = PASS(COVERAGE),
      .called = calls_coverage,
      .film_bytes = coverage_bytes},
+    {.name = "mattes through bounces",
+     .cause = "mattes.through delta or glossy, and a Cryptomatte output",
+     .define = "GK_THROUGH",
+     .source = "Yoshimura et al. 2022, Eq. 1",
+     .dial = GLINT_DIAL_THROUGH,
+     .passes = PASS(CARRIED),
+     .called = calls_through,
+     .carries = CARRIES(HELD) | CARRIES(WAITS) | CARRIES(CARRIED) | CARRIES(LAST) | CARRIES(WAY)},
+    {.name = "mattes through glossy lobes",
+     .cause = "mattes.through glossy, and a Cryptomatte output",
+     .define = "GK_GLOSSY_MATTES",
+     .source = "Yoshimura et al. 2022, Eq. 2 to 7",
+     .dial = GLINT_DIAL_VARIANCE,
+     .called = calls_glossy,
+     .carries = CARRIES(SPREAD0) | CARRIES(SPREAD1) | CARRIES(SPREAD2) | CARRIES(SINCE) |
+                CARRIES(RADIUS) | CARRIES(SLOPE)},
+    {.name = "full mattes of opaque surfaces",
+     .cause = "mattes.coverage opaque_full, and mattes through bounces",
+     .define = "GK_OPAQUE_FULL",
+     .source = "Yoshimura et al. 2022, Eq. 8",
+     .dial = GLINT_DIAL_COVERAGE,
+     .called = calls_opaque_full},
 };
 const size_t glint_effect_count = sizeof glint_effect_table / sizeof *glint_effect_table;
 

@@ -114,13 +114,13 @@ glint_status glint_render_tile(glint_render *render, uint32_t tile, struct glint
 // Every name of the scene with its coverage over the frame; *out malloc'd, the names in the same
 // block. *lost: pixels of coverage that found no slot.
 glint_status glint_render_mattes(glint_render *render, enum glint_matte_layer layer,
-                                 struct glint_matte_total **out, size_t *count, double *lost,
-                                 struct glint_error *err);
+                                 uint32_t classes, struct glint_matte_total **out, size_t *count,
+                                 double *lost, struct glint_error *err);
 // Union coverage of the named; an unknown name is GLINT_E_NOT_FOUND at /name. One plane "A".
 // Both: GLINT_E_RANGE if the job has no Cryptomatte output.
 glint_status glint_render_matte(glint_render *render, enum glint_matte_layer layer,
-                                const char *const *names, size_t count, struct glint_frame **out,
-                                struct glint_error *err);
+                                uint32_t classes, const char *const *names, size_t count,
+                                struct glint_frame **out, struct glint_error *err);
 
 // The film as it stands at one moment, with all that frames and mattes of it need, in the format of
 // protocol/film.h: written to `fd` from its offset on. Workers go on meanwhile; calls for one render

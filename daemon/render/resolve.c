@@ -43,7 +43,7 @@ glint_status glint_render_frame(glint_render *r, uint32_t outputs, struct glint_
     return st;
 }
 
-glint_status glint_render_mattes(glint_render *r, enum glint_matte_layer layer,
+glint_status glint_render_mattes(glint_render *r, enum glint_matte_layer layer, uint32_t classes,
                                  struct glint_matte_total **out, size_t *count, double *lost,
                                  struct glint_error *err)
 {
@@ -53,12 +53,12 @@ glint_status glint_render_mattes(glint_render *r, enum glint_matte_layer layer,
     glint_status st = origin_begin(&o, r, err);
     if (st)
         return st;
-    st = glint_film_mattes(&o.source, layer, out, count, lost, err);
+    st = glint_film_mattes(&o.source, layer, classes, out, count, lost, err);
     origin_end(&o, r);
     return st;
 }
 
-glint_status glint_render_matte(glint_render *r, enum glint_matte_layer layer,
+glint_status glint_render_matte(glint_render *r, enum glint_matte_layer layer, uint32_t classes,
                                 const char *const *names, size_t count, struct glint_frame **out,
                                 struct glint_error *err)
 {
@@ -67,7 +67,7 @@ glint_status glint_render_matte(glint_render *r, enum glint_matte_layer layer,
     glint_status st = origin_begin(&o, r, err);
     if (st)
         return st;
-    st = glint_film_matte(&o.source, layer, names, count, out, err);
+    st = glint_film_matte(&o.source, layer, classes, names, count, out, err);
     origin_end(&o, r);
     return st;
 }

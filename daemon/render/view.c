@@ -33,8 +33,10 @@ static void fill_wave_job(struct glint_view *v)
     v->wave_job.interrupted = &v->render->interrupted;
     v->wave_job.frame = v->frame;
     v->wave_job.matte_slots = v->job.matte_slots;
-    v->wave_job.matte_policy =
-        v->job.dial[GLINT_DIAL_EVICTION] == 0 ? GK_MATTE_DROP : GK_MATTE_DIRECT_FIRST;
+    v->wave_job.matte_policy = v->job.dial[GLINT_DIAL_EVICTION]; // GK_MATTE_* has their order
+    v->wave_job.matte_through = glint_plan_has(&v->plan, GLINT_PASS_COVERAGE) &&
+                                v->job.dial[GLINT_DIAL_THROUGH] != GLINT_THROUGH_NONE;
+    v->wave_job.seed = v->job.seed;
 }
 
 static void fill_info(struct glint_view *v)

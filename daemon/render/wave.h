@@ -23,6 +23,8 @@ struct glint_wave_job {
     const glint_geometry *geometry;
     glint_buffer *frame; // struct gk_frame
     uint32_t matte_slots, matte_policy;
+    bool matte_through; // deposits carried coverage
+    uint32_t seed;
     const atomic_bool *interrupted; // NULL: never
 };
 
@@ -30,6 +32,7 @@ struct glint_wave_job {
 struct glint_wave_stats {
     double seconds[GLINT_PASSES];
     uint64_t camera_rays, bounce_rays, shadow_rays;
+    uint64_t matte_excess; // units of coverage that weights above one were cut by
 };
 
 typedef struct glint_wave glint_wave;

@@ -1,6 +1,8 @@
 // instances.c - instance rows as kernels read them, and how those that move do so.
 #include "scene/internal.h"
 
+#include "scene/matrix.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,6 +30,14 @@ static double scale_of(const float t[16])
     for (int i = 0; i < 12; i++)
         most = fmax(most, i % 4 < 3 ? fabs((double)t[i]) : 0.0);
     return ldexp(1.0, -2 * ilogb(most));
+}
+
+// Metres of the mesh to one of the world.
+static double shrink_of(const float t[16])
+{
+    double wide[16];
+    glint_matrix_widen(wide, t);
+    return 1.0 / cbrt(fabs(glint_matrix_determinant(wide)));
 }
 
 static bool same_linear(const float a[16], const float b[16])
@@ -61,6 +71,7 @@ static void fill_row(struct glint_resident *r, uint32_t index)
     in->flags =
         (transformed ? GK_INSTANCE_TRANSFORMED : 0u) | (mirrored ? GK_INSTANCE_MIRRORED : 0u);
     in->light = in->mover = GK_NONE;
+    in->shrink = (float)shrink_of(row->transform);
     normal_matrix(row->transform, mirrored, scale_of(row->transform), in->normal);
     r->facts.instances |= transformed;
 }

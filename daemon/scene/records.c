@@ -2,6 +2,8 @@
 // however many rows draw it, and once for each key of one that bends.
 #include "scene/records.h"
 
+#include "scene/curvature.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,7 +72,8 @@ static void fill_coordinates(float out[6], const float *uv, const uint32_t *t, u
 
 static void fill_triangles(struct gk_triangle *out, const struct glint_kept *k, uint32_t key)
 {
-    const float *normal = k->normal ? k->normal + 3 * (size_t)key * k->mesh->vertices : NULL;
+    const size_t first = 3 * (size_t)key * k->mesh->vertices;
+    const float *normal = k->normal ? k->normal + first : NULL;
     const uint32_t flags = (k->flags & GLINT_RECORD_UV1 ? GK_TRIANGLE_UV1 : 0u) |
                            (k->flags & GLINT_RECORD_COLOURS ? GK_TRIANGLE_COLOURED : 0u);
     for (uint32_t i = 0; i < k->triangles; i++) {
@@ -80,6 +83,8 @@ static void fill_triangles(struct gk_triangle *out, const struct glint_kept *k, 
         if (k->mesh->uv)
             fill_coordinates(out[i].uv, k->mesh->uv, t, k->flags, 0);
         out[i].flags = flags;
+        if (normal)
+            out[i].flags |= glint_curvature_bits(glint_curvature(k->position + first, normal, t));
     }
 }
 

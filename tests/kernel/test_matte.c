@@ -4,6 +4,9 @@
 
 enum { SLOTS = 12, MAX_SLOTS = 64 };
 
+// The key of what a bounce has brought.
+#define BOUNCED(matte) gk_matte_of_class(matte, 1u)
+
 static uint64_t kept(const gk_u64 *table, gk_u32 slots)
 {
     uint64_t sum = 0;
@@ -46,7 +49,7 @@ static void deposits_of_one_key_add_up(void **state)
     (void)state;
     gk_u64 table[SLOTS] = {0};
     for (gk_u32 i = 1; i <= 1000; i++)
-        assert_true(gk_matte_deposit(table, SLOTS, 42, 1, i, GK_MATTE_DROP) == 0);
+        assert_true(gk_matte_deposit(table, SLOTS, 42, 1, i, GK_MATTE_DROP, 0) == 0);
     assert_true(amount_of(table, SLOTS, 42) == 1000 * 1001 / 2);
     assert_true(kept(table, SLOTS) == 1000 * 1001 / 2);
 }
@@ -55,7 +58,7 @@ static void nothing_deposited_takes_no_slot(void **state)
 {
     (void)state;
     gk_u64 table[SLOTS] = {0};
-    assert_true(gk_matte_deposit(table, SLOTS, 42, 1, 0, GK_MATTE_DROP) == 0);
+    assert_true(gk_matte_deposit(table, SLOTS, 42, 1, 0, GK_MATTE_DROP, 0) == 0);
     for (int i = 0; i < SLOTS; i++)
         assert_true(table[i] == 0);
 }
@@ -68,36 +71,40 @@ static void a_table_holds_as_many_keys_as_it_has_slots(void **state)
         gk_u64 table[MAX_SLOTS] = {0};
         for (gk_u32 turn = 0; turn < 3; turn++)
             for (gk_u32 k = 1; k <= slots; k++)
-                assert_true(gk_matte_deposit(table, slots, k * 7919, 1, k, GK_MATTE_DROP) == 0);
+                assert_true(gk_matte_deposit(table, slots, k * 7919, 1, k, GK_MATTE_DROP, 0) == 0);
         for (gk_u32 k = 1; k <= slots; k++)
             assert_true(amount_of(table, slots, k * 7919) == 3 * k);
         assert_distinct(table, slots);
     }
 }
 
+// Every matte of the crowd in a class of bounces, or some of them seen first.
 static void run_crowd(gk_u32 policy, int some_indirect)
 {
     gk_u64 table[SLOTS] = {0};
     uint64_t seed = 7, total = 0, lost = 0;
     for (int i = 0; i < 100000; i++) {
-        const gk_u32 key = 1 + (gk_u32)(check_random(&seed) >> 33) % 10000;
+        const gk_u32 matte = 1 + (gk_u32)(check_random(&seed) >> 33) % 10000;
+        const gk_u32 key = some_indirect == 2 && matte % 3 == 0 ? matte : BOUNCED(matte);
         const gk_u32 direct = some_indirect ? key & 1 : 1;
         const gk_u64 amount = (check_random(&seed) >> 33) % (GK_MATTE_ONE + 1);
         total += amount;
-        lost += gk_matte_deposit(table, SLOTS, key, direct, amount, policy);
+        lost += gk_matte_deposit(table, SLOTS, key, direct, amount, policy,
+                                 (gk_u32)check_random(&seed));
     }
     assert_true(kept(table, SLOTS) + lost == total);
-    assert_true(lost > 0);
+    assert_true(policy == GK_MATTE_USS && some_indirect < 2 ? lost == 0 : lost > 0);
     assert_distinct(table, SLOTS);
 }
 
 static void kept_and_lost_make_the_total_with_10000_keys_on_a_pixel(void **state)
 {
     (void)state;
-    run_crowd(GK_MATTE_DROP, 0);
-    run_crowd(GK_MATTE_DROP, 1);
-    run_crowd(GK_MATTE_DIRECT_FIRST, 0);
-    run_crowd(GK_MATTE_DIRECT_FIRST, 1);
+    for (gk_u32 policy = GK_MATTE_DROP; policy <= GK_MATTE_USS; policy++)
+        for (int some = 0; some < 3; some++)
+            run_crowd(policy, some);
+    run_crowd(GK_MATTE_USS_DIRECT_FIRST, 1);
+    run_crowd(GK_MATTE_USS_DIRECT_FIRST, 2);
 }
 
 // Sums are integers: what a table holds does not depend on the order while nothing is lost.
@@ -111,9 +118,9 @@ static void order_does_not_matter_while_keys_fit(void **state)
         for (int i = 0; i < 500; i++)
             key[i] = 1 + (gk_u32)(check_random(&seed) >> 40) % SLOTS;
         for (int i = 0; i < 500; i++) {
-            gk_matte_deposit(forward, SLOTS, key[i], 1, (gk_u64)key[i] + 3, GK_MATTE_DROP);
+            gk_matte_deposit(forward, SLOTS, key[i], 1, (gk_u64)key[i] + 3, GK_MATTE_DROP, 0);
             gk_matte_deposit(backward, SLOTS, key[499 - i], 1, (gk_u64)key[499 - i] + 3,
-                             GK_MATTE_DROP);
+                             GK_MATTE_DROP, 0);
         }
         for (gk_u32 k = 1; k <= SLOTS; k++)
             assert_true(amount_of(forward, SLOTS, k) == amount_of(backward, SLOTS, k));
@@ -123,7 +130,7 @@ static void order_does_not_matter_while_keys_fit(void **state)
 static void fill(gk_u64 *table, gk_u32 first_key, gk_u32 count, gk_u32 direct)
 {
     for (gk_u32 i = 0; i < count; i++)
-        gk_matte_deposit(table, SLOTS, first_key + i, direct, 100 + i, GK_MATTE_DROP);
+        gk_matte_deposit(table, SLOTS, BOUNCED(first_key + i), direct, 100 + i, GK_MATTE_DROP, 0);
 }
 
 static void a_direct_newcomer_takes_the_smallest_indirect_slot(void **state)
@@ -131,9 +138,11 @@ static void a_direct_newcomer_takes_the_smallest_indirect_slot(void **state)
     (void)state;
     gk_u64 table[SLOTS] = {0};
     fill(table, 1, SLOTS, 0); // amounts 100..111
-    assert_true(gk_matte_deposit(table, SLOTS, 500, 1, 9, GK_MATTE_DIRECT_FIRST) == 100);
-    assert_true(amount_of(table, SLOTS, 500) == 9 && amount_of(table, SLOTS, 1) == 0);
-    assert_true(amount_of(table, SLOTS, 2) == 101);
+    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_DIRECT_FIRST, 0) ==
+                100);
+    assert_true(amount_of(table, SLOTS, BOUNCED(500)) == 9 &&
+                amount_of(table, SLOTS, BOUNCED(1)) == 0);
+    assert_true(amount_of(table, SLOTS, BOUNCED(2)) == 101);
 }
 
 static void a_direct_key_is_never_evicted(void **state)
@@ -141,10 +150,12 @@ static void a_direct_key_is_never_evicted(void **state)
     (void)state;
     gk_u64 table[SLOTS] = {0};
     fill(table, 1, SLOTS, 1);
-    assert_true(gk_matte_deposit(table, SLOTS, 500, 0, 9999, GK_MATTE_DIRECT_FIRST) == 9999);
-    assert_true(gk_matte_deposit(table, SLOTS, 501, 1, 9999, GK_MATTE_DIRECT_FIRST) == 9999);
+    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(500), 0, 9999, GK_MATTE_DIRECT_FIRST, 0) ==
+                9999);
+    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(501), 1, 9999, GK_MATTE_DIRECT_FIRST, 0) ==
+                9999);
     for (gk_u32 i = 0; i < SLOTS; i++)
-        assert_true(amount_of(table, SLOTS, 1 + i) == 100 + i);
+        assert_true(amount_of(table, SLOTS, BOUNCED(1 + i)) == 100 + i);
 }
 
 // A key once seen directly stays direct, whatever reaches it later.
@@ -153,10 +164,11 @@ static void a_key_becomes_direct_and_stays_so(void **state)
     (void)state;
     gk_u64 table[SLOTS] = {0};
     fill(table, 1, SLOTS, 0);
-    gk_matte_deposit(table, SLOTS, 1, 1, 1, GK_MATTE_DIRECT_FIRST);
-    gk_matte_deposit(table, SLOTS, 1, 0, 1, GK_MATTE_DIRECT_FIRST);
-    assert_true(gk_matte_deposit(table, SLOTS, 500, 1, 9, GK_MATTE_DIRECT_FIRST) == 101); // key 2's
-    assert_true(amount_of(table, SLOTS, 1) == 102);
+    gk_matte_deposit(table, SLOTS, BOUNCED(1), 1, 1, GK_MATTE_DIRECT_FIRST, 0);
+    gk_matte_deposit(table, SLOTS, BOUNCED(1), 0, 1, GK_MATTE_DIRECT_FIRST, 0);
+    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_DIRECT_FIRST, 0) ==
+                101); // key 2's
+    assert_true(amount_of(table, SLOTS, BOUNCED(1)) == 102);
 }
 
 static void no_indirect_key_outlives_a_dropped_direct_one(void **state)
@@ -167,10 +179,10 @@ static void no_indirect_key_outlives_a_dropped_direct_one(void **state)
         gk_u64 table[SLOTS] = {0};
         int dropped = 0;
         for (int i = 0; i < 60; i++) {
-            const gk_u32 key = 1 + (gk_u32)(check_random(&seed) >> 40) % 40;
+            const gk_u32 key = BOUNCED(1 + (gk_u32)(check_random(&seed) >> 40) % 40);
             const gk_u32 direct = (gk_u32)(check_random(&seed) >> 63);
             const uint64_t before = kept(table, SLOTS);
-            gk_matte_deposit(table, SLOTS, key, direct, 5, GK_MATTE_DIRECT_FIRST);
+            gk_matte_deposit(table, SLOTS, key, direct, 5, GK_MATTE_DIRECT_FIRST, 0);
             dropped |= direct && kept(table, SLOTS) == before && !amount_of(table, SLOTS, key);
             for (int k = 0; dropped && k < SLOTS; k++)
                 assert_true(gk_matte_direct(table[k]));
@@ -183,8 +195,106 @@ static void dropping_never_evicts(void **state)
     (void)state;
     gk_u64 table[SLOTS] = {0};
     fill(table, 1, SLOTS, 0);
-    assert_true(gk_matte_deposit(table, SLOTS, 500, 1, 9, GK_MATTE_DROP) == 9);
-    assert_true(gk_matte_deposit(table, SLOTS, 3, 1, 9, GK_MATTE_DROP) == 0);
+    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_DROP, 0) == 9);
+    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(3), 1, 9, GK_MATTE_DROP, 0) == 0);
+}
+
+// What is seen directly, of class 0, is as it would be without any bounce.
+static void bounces_change_nothing_of_what_is_seen_directly(void **state)
+{
+    (void)state;
+    uint64_t seed = 21;
+    for (int round = 0; round < 4000; round++) {
+        gk_u64 alone[SLOTS] = {0}, mixed[SLOTS] = {0};
+        for (int i = 0; i < 80; i++) {
+            const gk_u32 matte = 1 + (gk_u32)(check_random(&seed) >> 40) % (round % 2 ? 11 : 20);
+            const gk_u32 primary = check_random(&seed) >> 63;
+            const gk_u32 direct = primary | (gk_u32)(check_random(&seed) >> 63);
+            const gk_u32 random = (gk_u32)check_random(&seed);
+            gk_matte_deposit(mixed, SLOTS, primary ? matte : BOUNCED(matte), direct, 7,
+                             (gk_u32)round / 2 % 4, random);
+            if (primary)
+                gk_matte_deposit(alone, SLOTS, matte, 1, 7, GK_MATTE_DROP, random);
+        }
+        for (gk_u32 matte = 1; matte <= 20; matte++)
+            assert_true(amount_of(mixed, SLOTS, matte) == amount_of(alone, SLOTS, matte));
+    }
+}
+
+static void a_direct_newcomer_hands_what_it_evicts_to_the_next(void **state)
+{
+    (void)state;
+    gk_u64 table[SLOTS] = {0};
+    fill(table, 1, SLOTS, 0); // amounts 100..111
+    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_USS_DIRECT_FIRST,
+                                 UINT32_MAX) == 0);
+    assert_true(amount_of(table, SLOTS, BOUNCED(500)) == 9);
+    assert_true(amount_of(table, SLOTS, BOUNCED(2)) == 201); // the draw was against key 1
+    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(501), 1, 9, GK_MATTE_USS_DIRECT_FIRST, 0) ==
+                0);
+    assert_true(amount_of(table, SLOTS, BOUNCED(3)) == 102 + 103); // and for it
+    assert_true(amount_of(table, SLOTS, BOUNCED(4)) == 0);
+}
+
+static void the_last_indirect_slot_goes_without_an_heir(void **state)
+{
+    (void)state;
+    gk_u64 table[SLOTS] = {0};
+    fill(table, 1, SLOTS - 1, 1);
+    fill(table, 100, 1, 0);
+    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_USS_DIRECT_FIRST, 0) ==
+                100);
+    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(501), 0, 5, GK_MATTE_USS_DIRECT_FIRST, 0) ==
+                5);
+    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(502), 1, 5, GK_MATTE_USS_DIRECT_FIRST, 0) ==
+                0);
+    assert_true(kept(table, SLOTS) == 9 + 5 + 11 * 100 + 55);
+}
+
+enum { CROWD = 40, ROUNDS = 400, TAKES = 600 };
+
+// 40 mattes with shares 1/rank over 12 slots: the sum of any ten is right on average.
+static void mattes_are_unbiased(gk_u32 policy)
+{
+    double share[CROWD], all = 0.0;
+    for (int k = 0; k < CROWD; k++)
+        all += share[k] = 1.0 / (k + 1);
+    double sum[4] = {0}, square[4] = {0};
+    uint64_t seed = 99 + policy;
+    for (int round = 0; round < ROUNDS; round++) {
+        gk_u64 table[SLOTS] = {0};
+        for (int i = 0; i < TAKES; i++) {
+            double u = check_uniform(&seed) * all;
+            gk_u32 k = 0;
+            while (k < CROWD - 1 && (u -= share[k]) > 0.0)
+                k++;
+            gk_matte_deposit(table, SLOTS, BOUNCED(1 + k), 0, 1000, policy,
+                             (gk_u32)check_random(&seed));
+        }
+        assert_true(kept(table, SLOTS) == 1000u * TAKES);
+        for (int part = 0; part < 4; part++) {
+            double x = 0.0;
+            for (gk_u32 k = 0; k < 10; k++)
+                x += (double)amount_of(table, SLOTS, BOUNCED(1 + 10 * part + k));
+            sum[part] += x;
+            square[part] += x * x;
+        }
+    }
+    for (int part = 0; part < 4; part++) {
+        double want = 0.0;
+        for (int k = 0; k < 10; k++)
+            want += 1000.0 * TAKES * share[10 * part + k] / all;
+        const double mean = sum[part] / ROUNDS;
+        const double sd = sqrt((square[part] / ROUNDS - mean * mean) / (ROUNDS - 1));
+        assert_within((mean - want) / sd, CHECK_Z);
+    }
+}
+
+static void unbiased_space_saving_is_unbiased(void **state)
+{
+    (void)state;
+    mattes_are_unbiased(GK_MATTE_USS);
+    mattes_are_unbiased(GK_MATTE_USS_DIRECT_FIRST);
 }
 
 static void a_full_counter_saturates_and_counts_the_rest(void **state)
@@ -192,10 +302,11 @@ static void a_full_counter_saturates_and_counts_the_rest(void **state)
     (void)state;
     gk_u64 table[SLOTS] = {0};
     const gk_u64 nearly = GK_MATTE_MAX_AMOUNT - 10;
-    assert_true(gk_matte_deposit(table, SLOTS, 1, 1, nearly, GK_MATTE_DROP) == 0);
-    assert_true(gk_matte_deposit(table, SLOTS, 1, 1, 10, GK_MATTE_DROP) == 0);
-    assert_true(gk_matte_deposit(table, SLOTS, 1, 1, 10, GK_MATTE_DROP) == 10);
-    assert_true(gk_matte_deposit(table, SLOTS, 2, 1, GK_MATTE_MAX_AMOUNT + 4, GK_MATTE_DROP) == 4);
+    assert_true(gk_matte_deposit(table, SLOTS, 1, 1, nearly, GK_MATTE_DROP, 0) == 0);
+    assert_true(gk_matte_deposit(table, SLOTS, 1, 1, 10, GK_MATTE_DROP, 0) == 0);
+    assert_true(gk_matte_deposit(table, SLOTS, 1, 1, 10, GK_MATTE_DROP, 0) == 10);
+    assert_true(gk_matte_deposit(table, SLOTS, 2, 1, GK_MATTE_MAX_AMOUNT + 4, GK_MATTE_DROP, 0) ==
+                4);
     assert_true(kept(table, SLOTS) == 2 * GK_MATTE_MAX_AMOUNT);
     assert_int_equal(gk_matte_key(table[gk_matte_start(1, SLOTS)]), 1); // fields did not overflow
 }
@@ -246,6 +357,10 @@ int main(void)
         cmocka_unit_test(a_key_becomes_direct_and_stays_so),
         cmocka_unit_test(no_indirect_key_outlives_a_dropped_direct_one),
         cmocka_unit_test(dropping_never_evicts),
+        cmocka_unit_test(bounces_change_nothing_of_what_is_seen_directly),
+        cmocka_unit_test(a_direct_newcomer_hands_what_it_evicts_to_the_next),
+        cmocka_unit_test(the_last_indirect_slot_goes_without_an_heir),
+        cmocka_unit_test(unbiased_space_saving_is_unbiased),
         cmocka_unit_test(a_full_counter_saturates_and_counts_the_rest),
         cmocka_unit_test(start_slots_are_spread),
         cmocka_unit_test(weights_become_units),

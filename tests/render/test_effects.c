@@ -170,6 +170,10 @@ static const struct forcing forcing[] = {
     {"motion vectors", &sky, "first-hit AOVs"},
     {"first-hit AOVs", &sky, ""},
     {"ID coverage", &sky, ""},
+    {"mattes through bounces", &glass, "ID coverage"},
+    {"mattes through glossy lobes", &glass, "mattes through bounces|ID coverage"},
+    {"full mattes of opaque surfaces", &glass,
+     "mattes through glossy lobes|mattes through bounces|ID coverage"},
 };
 
 // Settings of a dial whose other setting is another image: to force one is to ask for that image.
@@ -427,6 +431,19 @@ static const struct cause cause[] = {
      {SKY, "'ior':1", "", "", 24},
      {"'beauty','crypto_object'", "box", "", 3},
      "ID coverage|" CONSTANT},
+    {"mattes through bounces",
+     {SKY, "'ior':1", "", "", 24},
+     {"'beauty','crypto_object'", "box", "'mattes':{'through':'delta'},", 3},
+     "mattes through bounces|ID coverage|" CONSTANT},
+    {"mattes through glossy lobes",
+     {SKY, "'ior':1", "", "", 24},
+     {"'beauty','crypto_object'", "box", "'mattes':{'through':'glossy'},", 3},
+     "mattes through glossy lobes|mattes through bounces|ID coverage|" CONSTANT},
+    {"full mattes of opaque surfaces",
+     {SKY, "'ior':1", "", "", 24},
+     {"'beauty','crypto_object'", "box", "'mattes':{'through':'delta','coverage':'opaque_full'},",
+      3},
+     "full mattes of opaque surfaces|mattes through bounces|ID coverage|" CONSTANT},
 };
 
 static void each_cause_calls_for_its_own_row(void **state)

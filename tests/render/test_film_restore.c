@@ -130,8 +130,8 @@ static void same_mattes(glint_render *a, glint_render *b)
         struct glint_matte_total *x, *y;
         size_t n, m;
         double lost_x, lost_y;
-        assert_int_equal(glint_render_mattes(a, l, &x, &n, &lost_x, NULL), GLINT_OK);
-        assert_int_equal(glint_render_mattes(b, l, &y, &m, &lost_y, NULL), GLINT_OK);
+        assert_int_equal(glint_render_mattes(a, l, 1u, &x, &n, &lost_x, NULL), GLINT_OK);
+        assert_int_equal(glint_render_mattes(b, l, 1u, &y, &m, &lost_y, NULL), GLINT_OK);
         assert_int_equal(n, m);
         assert_true(lost_x == lost_y);
         for (size_t i = 0; i < n; i++) {
@@ -143,8 +143,8 @@ static void same_mattes(glint_render *a, glint_render *b)
     }
     struct glint_frame *x, *y;
     const char *const names[] = {"s", "m"};
-    assert_int_equal(glint_render_matte(a, 0, names, 2, &x, NULL), GLINT_OK);
-    assert_int_equal(glint_render_matte(b, 0, names, 2, &y, NULL), GLINT_OK);
+    assert_int_equal(glint_render_matte(a, 0, 1u, names, 2, &x, NULL), GLINT_OK);
+    assert_int_equal(glint_render_matte(b, 0, 1u, names, 2, &y, NULL), GLINT_OK);
     stable_assert_same(x, y);
     glint_frame_destroy(&x);
     glint_frame_destroy(&y);

@@ -15,13 +15,13 @@ static void assert_matte(const struct shot *s, enum glint_matte_layer layer,
 {
     struct glint_frame *matte = NULL;
     struct glint_error err = {0};
-    if (glint_render_matte(s->render, layer, names, count, &matte, &err))
+    if (glint_render_matte(s->render, layer, 1u, names, count, &matte, &err))
         offline_die("matte", &err);
     const float *plane = glint_frame_find(matte, "A");
     for (size_t i = 0; i < pixels(s->frame); i++) {
         double sum = 0.0;
         for (size_t n = 0; n < count; n++)
-            sum += coverage_of(s->frame, glint_film_matte_type[layer], names[n], i);
+            sum += coverage_of(s->frame, glint_matte_layer_type(layer), names[n], i);
         assert_float_equal(plane[i], sum, 1e-6);
     }
     glint_frame_destroy(&matte);
@@ -49,7 +49,7 @@ static void unknown_name_is_refused_by_name(void **state)
     struct glint_error err = {0};
     struct shot s;
     shoot_things(&s, crowd, CROWD, "", "", 1);
-    assert_int_equal(glint_render_matte(s.render, GLINT_MATTE_OBJECT, names, 2, &matte, &err),
+    assert_int_equal(glint_render_matte(s.render, GLINT_MATTE_OBJECT, 1u, names, 2, &matte, &err),
                      GLINT_E_NOT_FOUND);
     assert_null(matte);
     assert_string_equal(err.fault[0].pointer, "/name");
@@ -67,7 +67,7 @@ static void totals_are_sums_over_the_frame(void **state)
         struct glint_matte_total *total;
         size_t count;
         double lost;
-        assert_int_equal(glint_render_mattes(s.render, layer, &total, &count, &lost, NULL),
+        assert_int_equal(glint_render_mattes(s.render, layer, 1u, &total, &count, &lost, NULL),
                          GLINT_OK);
         assert_int_equal(count, layer == GLINT_MATTE_OBJECT     ? 9
                                 : layer == GLINT_MATTE_MATERIAL ? 3
@@ -75,7 +75,7 @@ static void totals_are_sums_over_the_frame(void **state)
         for (size_t n = 0; n < count; n++) {
             double sum = 0.0;
             for (size_t i = 0; i < pixels(s.frame); i++)
-                sum += coverage_of(s.frame, glint_film_matte_type[layer], total[n].name, i);
+                sum += coverage_of(s.frame, glint_matte_layer_type(layer), total[n].name, i);
             assert_float_equal(total[n].coverage, sum, 1e-4);
             assert_int_equal(total[n].id, glint_cryptomatte_id(total[n].name));
         }
@@ -146,7 +146,7 @@ static void name_that_is_not_seen_has_an_empty_matte(void **state)
     for (size_t i = 0; i < COUNT(unseen); i++) {
         struct glint_frame *matte = NULL;
         assert_int_equal(
-            glint_render_matte(s.render, GLINT_MATTE_OBJECT, &unseen[i], 1, &matte, NULL),
+            glint_render_matte(s.render, GLINT_MATTE_OBJECT, 1u, &unseen[i], 1, &matte, NULL),
             GLINT_OK);
         for (size_t p = 0; p < pixels(matte); p++)
             assert_true(glint_frame_find(matte, "A")[p] == 0.0f);

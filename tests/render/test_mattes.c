@@ -214,8 +214,9 @@ static void objects_with_equal_names_share_one_matte(void **state)
     struct glint_matte_total *total;
     size_t count;
     double lost;
-    assert_int_equal(glint_render_mattes(s.render, GLINT_MATTE_OBJECT, &total, &count, &lost, NULL),
-                     GLINT_OK);
+    assert_int_equal(
+        glint_render_mattes(s.render, GLINT_MATTE_OBJECT, 1u, &total, &count, &lost, NULL),
+        GLINT_OK);
     assert_int_equal(count, 1);
     assert_string_equal(total->name, "twin");
     assert_float_equal(total->coverage, 6.7 * 4 + 5 * 4, 0.05);
@@ -344,7 +345,8 @@ static double strip_totals(const struct shot *s, double covered[STRIPS])
     size_t count;
     double lost;
     assert_int_equal(
-        glint_render_mattes(s->render, GLINT_MATTE_OBJECT, &total, &count, &lost, NULL), GLINT_OK);
+        glint_render_mattes(s->render, GLINT_MATTE_OBJECT, 1u, &total, &count, &lost, NULL),
+        GLINT_OK);
     for (size_t i = 0; i < count; i++)
         if (total[i].name[0] == 's')
             covered[atoi(total[i].name + 1)] = total[i].coverage;
@@ -362,8 +364,9 @@ static double strips_together(const struct shot *s)
         snprintf(name[i], sizeof name[i], "s%zu", i);
         names[i] = name[i];
     }
-    assert_int_equal(glint_render_matte(s->render, GLINT_MATTE_OBJECT, names, STRIPS, &matte, NULL),
-                     GLINT_OK);
+    assert_int_equal(
+        glint_render_matte(s->render, GLINT_MATTE_OBJECT, 1u, names, STRIPS, &matte, NULL),
+        GLINT_OK);
     const double coverage = glint_frame_find(matte, "A")[0];
     glint_frame_destroy(&matte);
     return coverage;

@@ -124,7 +124,8 @@ double lost_in(const struct shot *s)
     size_t count;
     double lost;
     assert_int_equal(
-        glint_render_mattes(s->render, GLINT_MATTE_OBJECT, &total, &count, &lost, NULL), GLINT_OK);
+        glint_render_mattes(s->render, GLINT_MATTE_OBJECT, 1u, &total, &count, &lost, NULL),
+        GLINT_OK);
     free(total);
     return lost;
 }

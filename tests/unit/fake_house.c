@@ -351,10 +351,10 @@ glint_status glint_render_tile(glint_render *render, uint32_t tile, struct glint
 }
 
 glint_status glint_render_mattes(glint_render *render, enum glint_matte_layer layer,
-                                 struct glint_matte_total **out, size_t *count, double *lost,
-                                 struct glint_error *err)
+                                 uint32_t classes, struct glint_matte_total **out, size_t *count,
+                                 double *lost, struct glint_error *err)
 {
-    (void)render, (void)layer, (void)err;
+    (void)render, (void)layer, (void)classes, (void)err;
     *out = calloc(1, sizeof **out);
     **out = (struct glint_matte_total){"torus", 0xf19c73fd, SIDE * SIDE};
     *count = 1;
@@ -363,10 +363,10 @@ glint_status glint_render_mattes(glint_render *render, enum glint_matte_layer la
 }
 
 glint_status glint_render_matte(glint_render *render, enum glint_matte_layer layer,
-                                const char *const *names, size_t count, struct glint_frame **out,
-                                struct glint_error *err)
+                                uint32_t classes, const char *const *names, size_t count,
+                                struct glint_frame **out, struct glint_error *err)
 {
-    (void)layer;
+    (void)layer, (void)classes;
     for (size_t i = 0; i < count; i++)
         if (strcmp(names[i], "torus"))
             return glint_fail(err, GLINT_E_NOT_FOUND, "/name", "no object \"%s\"", names[i]);

@@ -94,11 +94,11 @@ static void unknown_members_are_faults_that_say_what_exists(void **state)
     (void)state;
     refuse("{'scene':'a','surfels':{'count':1},'poisson':{},'layers':{},'split':{},'smaples':1}",
            "/surfels=max_bounces|/poisson|/layers|/split|/smaples");
-    refuse("{'scene':'a','accuracy':{'through':'none','speed':1},'mattes':{'gi':'path','alpha':0.1,"
-           "'classes':false},"
+    refuse("{'scene':'a','accuracy':{'through':'none','speed':1},'mattes':{'gi':'path','beta':0.1,"
+           "'path_ids':'list'},"
            "'filter':{'radius':1},'stop':{'sample':1},'camera':{'yfov':1,'fov':1}}",
-           "/accuracy/through=traversal|/accuracy/speed|/mattes/gi|/mattes/alpha=eviction|/mattes/"
-           "classes|"
+           "/accuracy/through=traversal|/accuracy/speed|/mattes/gi|/mattes/beta=eviction|/mattes/"
+           "path_ids|"
            "/filter/radius=kind, width|/stop/sample|/camera/fov");
 }
 
@@ -108,10 +108,10 @@ static void settings_of_methods_that_do_not_exist_are_faults(void **state)
     refuse(
         "{'scene':'a','outputs':['beauty','gi'],"
         "'accuracy':{'preset':'preview','gi':'surfel','transparency':'layered','primary':'split'},"
-        "'mattes':{'through':'glossy','eviction':'uss'}}",
+        "'mattes':{'through':'all','eviction':'exact'}}",
         "/outputs/1=crypto_asset|/accuracy/preset=production, reference|"
         "/accuracy/gi=path, none|/accuracy/transparency=traced|/accuracy/primary=full|"
-        "/mattes/through=none|/mattes/eviction=drop, direct_first");
+        "/mattes/through=glossy, delta, none|/mattes/eviction=drop, direct_first, uss");
 }
 
 static void a_live_job_stops_by_samples_or_seconds(void **state)
@@ -156,8 +156,10 @@ static void a_preset_sets_the_dials_and_explicit_ones_override_it(void **state)
         parse("{'scene':'a','accuracy':{'gi':'none','lights':'power','preset':'reference'},"
               "'mattes':{'eviction':'direct_first'}}");
     for (int d = 0; d < GLINT_DIAL_COUNT; d++)
-        assert_int_equal(j->dial[d],
-                         d == GLINT_DIAL_GI || d == GLINT_DIAL_LIGHTS || d == GLINT_DIAL_EVICTION);
+        if (strcmp(glint_dial_table[d].parent, "accuracy") == 0)
+            assert_int_equal(j->dial[d], d == GLINT_DIAL_GI || d == GLINT_DIAL_LIGHTS);
+    assert_int_equal(j->dial[GLINT_DIAL_EVICTION], GLINT_EVICTION_DIRECT_FIRST);
+    assert_int_equal(j->dial[GLINT_DIAL_THROUGH], GLINT_THROUGH_NONE);
     glint_job_destroy(&j);
 }
 
@@ -298,8 +300,9 @@ static void parsing_what_was_written_gives_an_equal_job(void **state)
         "{'scene':'s-1.2_3','name':'shot \\u00e4 "
         "\\n','camera':'Cam','resolution':[33,7],'region':[1,2,3,4],"
         "'frame':1001,'outputs':['variance','depth'],'accuracy':{'preset':'reference','gi':'none'},"
-        "'mattes':{'eviction':'direct_first','slots':32,'levels':16},'filter':{'kind':'box','width'"
-        ":0.7},"
+        "'mattes':{'eviction':'direct_first','slots':32,'levels':16,'through':'glossy','alpha':0.3,"
+        "'clamp':false,'diffuse_cut':false,'env_id':false,'classes':true,'variance':'eq3',"
+        "'coverage':'opaque_full'},'filter':{'kind':'box','width':0.7},"
         "'max_bounces':0,'seed':4294967295,'stop':{'samples':3,'seconds':0.1,'error':1e-3},'"
         "priority':-100}";
     static const char own_camera[] =
@@ -357,7 +360,9 @@ static void defaults_that_are_spelled_out_give_an_equal_job(void **state)
         "\"outputs\":[\"beauty\",\"crypto_object\",\"crypto_material\",\"crypto_asset\"],"
         "\"accuracy\":{");
     add_dials(want, sizeof want, "accuracy");
-    add(want, sizeof want, "},\"mattes\":{\"slots\":12,\"levels\":6");
+    add(want, sizeof want,
+        "},\"mattes\":{\"slots\":12,\"levels\":6,\"alpha\":0.1,\"clamp\":true,"
+        "\"diffuse_cut\":true,\"env_id\":true,\"classes\":false,\"depth_bins\":0");
     add_dials(want, sizeof want, "mattes");
     add(want, sizeof want,
         "},\"filter\":{\"kind\":\"blackman_harris\",\"width\":1.5},\"stop\":{\"samples\":256}}");

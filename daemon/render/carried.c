@@ -1,0 +1,111 @@
+// carried.c - deposits of coverage that paths carry through bounces.
+#include "render/wave_parts.h"
+
+#include "kernels/gk_film.h"
+#include "kernels/gk_matte.h"
+#include "kernels/gk_wave.h"
+
+#include <string.h>
+
+static size_t table_bytes(const struct glint_run *r)
+{
+    return (size_t)GK_TILE_PIXELS * (r->job->matte_slots + 1) * 8;
+}
+
+// Different for every launch on every pixel: the draws of unbiased eviction are taken from it.
+static uint32_t salt_of(const struct glint_run *r, uint32_t lane)
+{
+    const struct glint_wave_block *b = r->block;
+    const uint32_t place = gk_mix32(b->x + gk_mix32(b->y + gk_mix32(lane + r->job->seed)));
+    return gk_mix32(place ^ gk_mix32(b->sample + gk_mix32(r->bounce)));
+}
+
+glint_status glint_run_deposit(struct glint_run *r, const char *kernel,
+                               const struct glint_film_tile *at, uint32_t n, uint32_t lane)
+{
+    const uint32_t stride = GLINT_WAVE_STRIDE, step = 1u << r->pixels_log2;
+    const uint32_t samples = r->block->samples, salt = salt_of(r, lane);
+    const struct glint_arg args[] = {GLINT_ARG_BUFFER(r->wave->columns),
+                                     GLINT_ARG_VALUE(stride),
+                                     GLINT_ARG_VALUE(n),
+                                     GLINT_ARG_VALUE(lane),
+                                     GLINT_ARG_VALUE(step),
+                                     GLINT_ARG_VALUE(samples),
+                                     GLINT_ARG_BUFFER(at->tables),
+                                     GLINT_ARG_VALUE(at->tables_offset),
+                                     GLINT_ARG_VALUE(r->job->matte_slots),
+                                     GLINT_ARG_VALUE(r->job->matte_policy),
+                                     GLINT_ARG_VALUE(salt)};
+    return glint_run_launch(r, kernel, n, args, sizeof args / sizeof *args);
+}
+
+static uint64_t *film_table(const struct glint_film_tile *at)
+{
+    return (uint64_t *)glint_buffer_host(at->tables) + at->tables_offset;
+}
+
+static char *copy_of(const struct glint_run *r, uint32_t tile_in_block)
+{
+    return (char *)glint_buffer_host(r->wave->tables) + tile_in_block * table_bytes(r);
+}
+
+static glint_status copy_in(struct glint_run *r, const struct glint_film_tile *at,
+                            uint32_t tile_in_block)
+{
+    memcpy(copy_of(r, tile_in_block), film_table(at), table_bytes(r));
+    return GLINT_OK;
+}
+
+static glint_status copy_out(struct glint_run *r, const struct glint_film_tile *at,
+                             uint32_t tile_in_block)
+{
+    memcpy(film_table(at), copy_of(r, tile_in_block), table_bytes(r));
+    return GLINT_OK;
+}
+
+glint_status glint_carried_begin(struct glint_run *r)
+{
+    if (!r->job->matte_through)
+        return GLINT_OK;
+    const size_t tiles = GLINT_WAVE_LANES / GK_TILE_PIXELS;
+    glint_status st = GLINT_OK;
+    if (!r->wave->tables)
+        st =
+            glint_buffer_create(&r->wave->tables, r->wave->devices, tiles * table_bytes(r), r->err);
+    return st ? st : glint_run_tiles(r, copy_in);
+}
+
+static glint_status deposit_tile(struct glint_run *r, const struct glint_film_tile *at,
+                                 uint32_t tile_in_block)
+{
+    (void)at;
+    const struct glint_film_tile copy = {
+        .tables = r->wave->tables, .tables_offset = (uint32_t)(tile_in_block * table_bytes(r) / 8)};
+    return glint_run_deposit(r, "deposit_carried", &copy, GK_TILE_PIXELS,
+                             tile_in_block * GK_TILE_PIXELS);
+}
+
+glint_status glint_carried_deposit(struct glint_run *r)
+{
+    if (!r->job->matte_through)
+        return GLINT_OK;
+    const glint_status st = glint_run_tiles(r, deposit_tile);
+    glint_run_charge(r, GLINT_PASS_CARRIED);
+    return st;
+}
+
+static void count_excess(struct glint_run *r)
+{
+    const uint32_t *excess = (const uint32_t *)glint_buffer_host(r->wave->columns) +
+                             (size_t)GK_COL_EXCESS * GLINT_WAVE_STRIDE;
+    for (uint32_t i = 0; i < r->lanes; i++)
+        r->wave->stats.matte_excess += excess[i];
+}
+
+glint_status glint_carried_end(struct glint_run *r)
+{
+    if (!r->job->matte_through)
+        return GLINT_OK;
+    count_excess(r);
+    return glint_run_tiles(r, copy_out);
+}

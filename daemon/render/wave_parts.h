@@ -1,0 +1,63 @@
+// wave_parts.h - the inside of a wave, shared by the file that runs it and the one that sees to the
+// coverage its paths carry.
+//
+// Threads: the worker's.
+#ifndef GLINT_RENDER_WAVE_PARTS_H
+#define GLINT_RENDER_WAVE_PARTS_H
+
+#include "render/wave.h"
+
+// Not a power of two, so that columns do not fall on the same cache sets.
+#define GLINT_WAVE_STRIDE (GLINT_WAVE_LANES + 16u)
+
+struct glint_wave {
+    glint_devices *devices;
+    glint_buffer *columns; // [GK_COLUMNS][GLINT_WAVE_STRIDE]
+    glint_buffer *rect;    // struct gk_wave_rect
+    glint_buffer *tables;  // slot tables of the block while its paths are on their way; NULL: none
+    uint32_t *survivor;    // [GLINT_WAVE_LANES]
+    struct glint_wave_stats stats;
+};
+
+// One run: what the steps of the loop hand on.
+struct glint_run {
+    glint_wave *wave;
+    glint_worker *worker;
+    const struct glint_wave_job *job;
+    const struct glint_wave_block *block;
+    glint_film *film;
+    struct glint_error *err;
+    uint32_t pixels_log2, lanes, bounce;
+    double mark;    // when the last pass ended
+    bool compiling; // over no item, in the largest grid there will be
+};
+
+#define GLINT_ARG_BUFFER(b) \
+    {                       \
+        .buffer = (b)       \
+    }
+#define GLINT_ARG_VALUE(v)               \
+    {                                    \
+        .value = &(v), .size = sizeof(v) \
+    }
+
+void glint_run_charge(struct glint_run *run, enum glint_pass pass);
+glint_status glint_run_launch(struct glint_run *run, const char *kernel, uint32_t n,
+                              const struct glint_arg *args, size_t count);
+
+// Calls `visit` with each film tile of the block, its index in the block too, until one fails.
+typedef glint_status glint_visit_tile(struct glint_run *run, const struct glint_film_tile *at,
+                                      uint32_t tile_in_block);
+glint_status glint_run_tiles(struct glint_run *run, glint_visit_tile *visit);
+
+// The tables that a run deposits in are copies until it has come to its end, because one that is
+// interrupted leaves the film as it was. None of the three does anything where no coverage is carried.
+glint_status glint_carried_begin(struct glint_run *run);
+glint_status glint_carried_deposit(struct glint_run *run); // of the vertices just shaded
+glint_status glint_carried_end(struct glint_run *run);
+
+// Of one tile: its primary coverage, and what was carried, as kernels of one signature.
+glint_status glint_run_deposit(struct glint_run *run, const char *kernel,
+                               const struct glint_film_tile *at, uint32_t n, uint32_t lane);
+
+#endif

@@ -1,0 +1,95 @@
+// gk_held.h - the coverage that a path still holds, in its columns of the wave.
+//
+// Through glossy lobes (GK_GLOSSY_MATTES) it takes the spread of the path and the cone of its camera
+// sample; through deltas alone neither.
+#ifndef GK_HELD_H
+#define GK_HELD_H
+
+#include "kernels/gk_coverage.h"
+#include "kernels/gk_frame.h"
+#include "kernels/gk_matte.h"
+#include "kernels/gk_wave.h"
+
+#ifdef GK_THROUGH
+
+struct gk_deposit {
+    gk_u32 key; // GK_COL_WAITS, 0: none
+    gk_u32 amount;
+};
+
+struct gk_transport {
+    gk_u32 held;  // units
+    gk_u32 waits; // slot key of the last vertex and GK_WAITS_*; 0: there was none
+    gk_f32 carried;
+    struct gk_spread spread;
+    struct gk_cone cone;
+    struct gk_deposit before, last; // of this vertex
+    gk_u32 excess;
+};
+
+GK_INLINE struct gk_transport gk_transport_load(const GK_GLOBAL gk_f32 *wave, gk_u32 stride,
+                                                gk_u32 i)
+{
+    struct gk_transport t;
+    t.held = GK_LOAD_U32(GK_COL_HELD, i);
+    t.waits = GK_LOAD_U32(GK_COL_WAITS, i);
+    t.carried = GK_LOAD(GK_COL_CARRIED, i);
+    t.spread = gk_spread_none();
+    t.spread.last = GK_LOAD(GK_COL_LAST, i);
+    t.cone.r = t.cone.g = 0.0f;
+    t.cone.way = GK_LOAD(GK_COL_WAY, i);
+#ifdef GK_GLOSSY_MATTES
+    t.spread.s0 = GK_LOAD(GK_COL_SPREAD0, i);
+    t.spread.s1 = GK_LOAD(GK_COL_SPREAD1, i);
+    t.spread.s2 = GK_LOAD(GK_COL_SPREAD2, i);
+    t.spread.since = GK_LOAD(GK_COL_SINCE, i);
+    t.cone.r = GK_LOAD(GK_COL_RADIUS, i);
+    t.cone.g = GK_LOAD(GK_COL_SLOPE, i);
+#endif
+    t.before.key = t.before.amount = t.last.key = t.last.amount = t.excess = 0u;
+    return t;
+}
+
+GK_INLINE void gk_transport_store(GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_u32 i, gk_u32 lane,
+                                  const struct gk_transport *t)
+{
+    GK_STORE_U32(GK_COL_HELD, i, t->held);
+    GK_STORE_U32(GK_COL_WAITS, i, t->waits);
+    GK_STORE(GK_COL_CARRIED, i, t->carried);
+    GK_STORE(GK_COL_LAST, i, t->spread.last);
+    GK_STORE(GK_COL_WAY, i, t->cone.way);
+#ifdef GK_GLOSSY_MATTES
+    GK_STORE(GK_COL_SPREAD0, i, t->spread.s0);
+    GK_STORE(GK_COL_SPREAD1, i, t->spread.s1);
+    GK_STORE(GK_COL_SPREAD2, i, t->spread.s2);
+    GK_STORE(GK_COL_SINCE, i, t->spread.since);
+    GK_STORE(GK_COL_RADIUS, i, t->cone.r);
+    GK_STORE(GK_COL_SLOPE, i, t->cone.g);
+#endif
+    GK_STORE_U32(GK_COL_DEPOSIT0, lane, t->before.key);
+    GK_STORE_U32(GK_COL_AMOUNT0, lane, t->before.amount);
+    GK_STORE_U32(GK_COL_DEPOSIT1, lane, t->last.key);
+    GK_STORE_U32(GK_COL_AMOUNT1, lane, t->last.amount);
+    GK_STORE_U32(GK_COL_EXCESS, lane, GK_LOAD_U32(GK_COL_EXCESS, lane) + t->excess);
+}
+
+// Of a camera ray.
+GK_INLINE void gk_transport_begin(GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_u32 i,
+                                  const GK_GLOBAL struct gk_frame *frame)
+{
+    struct gk_transport t;
+    t.held = GK_MATTE_ONE;
+    t.waits = 0u;
+    t.carried = 0.0f;
+    t.spread = gk_spread_none();
+    t.cone.r = frame->matte_radius;
+    t.cone.g = frame->matte_slope;
+    t.cone.way = 0.0f;
+    t.before.key = t.before.amount = t.last.key = t.last.amount = t.excess = 0u;
+    GK_STORE_U32(GK_COL_EXCESS, i, 0u);
+    gk_transport_store(wave, stride, i, i, &t);
+}
+
+#endif
+
+#endif

@@ -1,0 +1,40 @@
+// matte_types.h - the Cryptomatte types that a job writes, CONVENTIONS a: what is seen directly, and
+// what bounces bring, as one type, by reflection and refraction, or by the way from the camera.
+//
+// Thread-safety: reentrant.
+#ifndef GLINT_PROTOCOL_MATTE_TYPES_H
+#define GLINT_PROTOCOL_MATTE_TYPES_H
+
+#include "job.h"
+
+enum glint_matte_layer {
+    GLINT_MATTE_OBJECT,
+    GLINT_MATTE_MATERIAL,
+    GLINT_MATTE_ASSET,
+    GLINT_MATTE_LAYERS
+};
+
+#define GLINT_MAX_MATTE_TYPES 33
+
+struct glint_matte_type {
+    char name[28]; // "CryptoObject", "CryptoGlossObject", ..; none is a prefix of another
+    enum glint_matte_layer layer;
+    uint32_t class_of_it; // of the slot keys that it is made of, 0: seen directly
+};
+
+// Fills out[] with the types of those outputs of the job, directly seen ones first. Returns their
+// number.
+size_t glint_matte_types(const struct glint_job *job, uint32_t outputs,
+                         struct glint_matte_type out[GLINT_MAX_MATTE_TYPES]);
+
+// The type of an output, "CryptoObject" and so on.
+const char *glint_matte_layer_type(enum glint_matte_layer layer);
+
+// What a class is called in queries: "primary", and "glossy", or "reflection" and "refraction", or
+// "depth0" to "depth9"; NULL: the job has no such class.
+const char *glint_matte_class_name(const struct glint_job *job, uint32_t class_of_it);
+
+// Classes above 0 that the job tells apart: 0 where nothing goes through bounces.
+uint32_t glint_matte_classes(const struct glint_job *job);
+
+#endif

@@ -1,0 +1,332 @@
+// Mattes through bounces: what reflections and refractions show is covered as Eq. 1 says, and nothing
+// else of a frame is different for it.
+#include "kernels/gk_matte.h"
+#include "tests/kernel/surface.h"
+#include "tests/render/things.h"
+#include "tests/stability/stable.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define JOB(outputs, mattes, more)                                             \
+    "{'scene':'s','resolution':[24,16],'outputs':['beauty'," outputs "]," more \
+    "'filter':{'kind':'box'},'mattes':{" mattes "}}"
+#define OBJECTS "'crypto_object'"
+#define SAMPLES(n) "'stop':{'samples':" #n "},"
+
+static void take(struct shot *s, const char *scene, const char *job)
+{
+    char *scene_text = stable_text("%s", scene), *job_text = stable_text("%s", job);
+    glint_resident *resident = offline_load_text(&things_crew, scene_text);
+    shoot(s, resident, job_text);
+    glint_resident_release(&resident);
+    free(scene_text);
+    free(job_text);
+}
+
+// A camera at the origin that looks along -z; quads are 1x1 in xy and face -z unless turned.
+#define CAMERA(yfov) "'cameras':{'c':{'yfov':" #yfov "}},"
+#define TURNED "'rotation':[0,1,0,0],"
+#define QUAD(name, material, turned, z, size)                                                      \
+    "'" name "':{'object':'" name "','mesh':'quad','material':'" material "','transform':{" turned \
+    "'translation':[0,0," #z "],'scale':[" #size "," #size ",1]}}"
+
+// ---- a room with everything: rough and smooth, metal and glass
+
+static const char room[] = "{" CAMERA(
+    0.9) "'environment':{'radiance':[1,1,1]},"
+         "'meshes':{'quad':{'primitive':'quad'},'ball':{'primitive':'sphere','segments':32}},"
+         "'materials':{'rough':{'metallic':1,'roughness':0.3,'base_color':[0.9,0.8,0.7]},"
+         "'mirror':{'metallic':1,'roughness':0,'base_color':[0.9,0.9,0.9]},"
+         "'glass':{'transmission':1,'roughness':0.1},'paint':{'base_color':[0.6,0.2,0.1]}},"
+         "'objects':{'back':{},'behind':{},'glass':{},'red':{},'mirror':{}},"
+         "'instances':{" QUAD("back", "rough", TURNED, -4, 3) "," QUAD(
+             "behind", "paint", "", 3,
+             4) ","
+                "'glass':{'object':'glass','mesh':'ball','material':'glass','transform':{'"
+                "translation':"
+                "[-0.5,0,-2.5],'scale':[0.5,0.5,0.5]}},"
+                "'red':{'object':'red','mesh':'ball','material':'paint','transform':{'translation':"
+                "[0.2,0.4,-3.3],'scale':[0.3,0.3,0.3]}},"
+                "'mirror':{'object':'mirror','mesh':'ball','material':'mirror','transform':{'"
+                "translation':"
+                "[0.6,-0.2,-2.6],'scale':[0.4,0.4,0.4]}}}}";
+
+static double sum_of_ranks(const struct glint_frame *f, const char *type, size_t pixel)
+{
+    double sum = 0.0;
+    for (uint32_t rank = 0; rank < 16; rank++)
+        sum += rank_coverage(f, type, rank, pixel);
+    return sum;
+}
+
+#define ALL "'levels':16,'slots':32,"
+
+static void every_sample_is_given_away_whole(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {
+        JOB(OBJECTS, ALL "'through':'glossy'", SAMPLES(16)),
+        JOB(OBJECTS, ALL "'through':'delta'", SAMPLES(16)),
+        JOB(OBJECTS, ALL "'through':'glossy','alpha':0", SAMPLES(16)),
+        JOB(OBJECTS, ALL "'through':'glossy','diffuse_cut':false,'clamp':false,'variance':'eq3'",
+            SAMPLES(16))};
+    for (size_t i = 0; i < COUNT(settings); i++) {
+        struct shot s;
+        take(&s, room, settings[i]);
+        for (size_t p = 0; p < pixels(s.frame); p++)
+            assert_within(sum_of_ranks(s.frame, "CryptoGlossObject", p) - 1.0, 1e-6);
+        assert_true(lost_in(&s) == 0.0);
+        finish_shot(&s);
+    }
+}
+
+static void the_picture_and_what_is_seen_directly_are_the_same_without(void **state)
+{
+    (void)state;
+    struct shot with, without;
+    take(&with, room, JOB(OBJECTS, "'through':'glossy'", SAMPLES(16)));
+    take(&without, room, JOB(OBJECTS, "'through':'none'", SAMPLES(16)));
+    for (uint32_t c = 0; c < without.frame->channels; c++) {
+        const char *name = without.frame->channel[c].name;
+        assert_int_equal(stable_equal(with.frame, without.frame, name), pixels(with.frame));
+    }
+    assert_true(with.frame->channels > without.frame->channels);
+    finish_shot(&with);
+    finish_shot(&without);
+}
+
+static void reflection_and_refraction_make_what_is_seen_by_bounces(void **state)
+{
+    (void)state;
+    struct shot whole, parts, bins;
+    take(&whole, room, JOB(OBJECTS, ALL "'through':'glossy'", SAMPLES(16)));
+    take(&parts, room, JOB(OBJECTS, ALL "'through':'glossy','classes':true", SAMPLES(16)));
+    take(&bins, room, JOB(OBJECTS, ALL "'through':'glossy','depth_bins':4", SAMPLES(16)));
+    double reflected = 0.0, refracted = 0.0;
+    for (size_t p = 0; p < pixels(whole.frame); p++) {
+        const double r = coverage_of(parts.frame, "CryptoReflObject", "behind", p);
+        const double t = coverage_of(parts.frame, "CryptoRefrObject", "behind", p);
+        double of_bins = 0.0;
+        for (int b = 0; b < 4; b++) {
+            char type[24];
+            snprintf(type, sizeof type, "CryptoD%dObject", b);
+            of_bins += coverage_of(bins.frame, type, "behind", p);
+        }
+        const double all = coverage_of(whole.frame, "CryptoGlossObject", "behind", p);
+        assert_within(r + t - all, 1e-6); // it is not seen directly
+        assert_within(of_bins - all, 1e-6);
+        reflected += r;
+        refracted += t;
+    }
+    assert_true(reflected > 1.0 && refracted > 0.1);
+    finish_shot(&whole);
+    finish_shot(&parts);
+    finish_shot(&bins);
+}
+
+// ---- closed forms
+
+// The camera between two mirrors that keep half of the light: vertex k is given 2^-k, the ninth all
+// that is left.
+static const char facing[] =
+    "{" CAMERA(0.001) "'environment':{'radiance':[1,1,1]},'meshes':{'quad':{'primitive':'quad'}},"
+                      "'materials':{'m':{'metallic':1,'roughness':0,'base_color':[0.5,0.5,0.5]}},"
+                      "'objects':{'ahead':{},'behind':{}},"
+                      "'instances':{" QUAD("ahead", "m", TURNED, -1, 100) "," QUAD("behind", "m",
+                                                                                   "", 1, 100) "}}";
+
+static double mean_coverage(const struct shot *s, const char *type, const char *name, double *error)
+{
+    double sum = 0.0, square = 0.0;
+    const double n = (double)pixels(s->frame);
+    for (size_t p = 0; p < pixels(s->frame); p++) {
+        const double c = coverage_of(s->frame, type, name, p);
+        sum += c;
+        square += c * c;
+    }
+    *error = sqrt(fmax(square / n - sum / n * (sum / n), 0.0) / (n - 1.0));
+    return sum / n;
+}
+
+static void facing_mirrors_share_as_a_geometric_series(void **state)
+{
+    (void)state;
+    const double ahead = 0.5 * (1.0 - pow(0.25, 4)) / 0.75 + 1.0 / 256;
+    static const char *const settings[] = {
+        JOB(OBJECTS, "'through':'delta'", SAMPLES(16) "'accuracy':{'roulette':'none'},"),
+        JOB(OBJECTS, "'through':'glossy'", SAMPLES(16) "'accuracy':{'roulette':'none'},"),
+        JOB(OBJECTS, "'through':'glossy'", SAMPLES(256))};
+    for (size_t i = 0; i < COUNT(settings); i++) {
+        struct shot s;
+        double error;
+        take(&s, facing, settings[i]);
+        const double mean = mean_coverage(&s, "CryptoGlossObject", "ahead", &error);
+        assert_within(mean - ahead, 8.0 / GK_MATTE_ONE + CHECK_Z * error);
+        finish_shot(&s);
+    }
+}
+
+static const char walls[] =
+    "{" CAMERA(0.9) "'environment':{'radiance':[1,1,1]},'meshes':{'quad':{'primitive':'quad'}},"
+                    "'materials':{'m':{'ior':1,'base_color':[0.8,0.8,0.8]}},"
+                    "'objects':{'a':{},'b':{},'c':{}},"
+                    "'instances':{" QUAD("a", "m", TURNED, -4, 3) "," QUAD(
+                        "b", "m", TURNED, -3, 1) "," QUAD("c", "m", "", 2, 9) "}}";
+
+static void diffuse_surfaces_keep_all_of_theirs(void **state)
+{
+    (void)state;
+    struct shot s;
+    take(&s, walls, JOB(OBJECTS, "'through':'glossy'", SAMPLES(64)));
+    for (size_t p = 0; p < pixels(s.frame); p++)
+        for (const char *name = "abc"; *name; name++) {
+            const char one[2] = {*name, 0};
+            assert_within(coverage_of(s.frame, "CryptoGlossObject", one, p) -
+                              coverage_of(s.frame, "CryptoObject", one, p),
+                          1.0 / 255);
+        }
+    finish_shot(&s);
+}
+
+static void without_the_cut_they_lose_some(void **state)
+{
+    (void)state;
+    struct shot s;
+    double error;
+    take(&s, walls, JOB(OBJECTS, "'through':'glossy','diffuse_cut':false", SAMPLES(64)));
+    assert_true(mean_coverage(&s, "CryptoGlossObject", "c", &error) > 0.02);
+    finish_shot(&s);
+}
+
+// A pane of clear glass, thin, before a wall.
+static const char pane[] =
+    "{" CAMERA(0.001) "'environment':{'radiance':[1,1,1]},'meshes':{'quad':{'primitive':'quad'}},"
+                      "'materials':{'g':{'transmission':1,'roughness':0,'thin':true},"
+                      "'m':{'ior':1,'base_color':[0.8,0.8,0.8]}},"
+                      "'objects':{'pane':{},'wall':{}},"
+                      "'instances':{" QUAD("pane", "g", TURNED, -1,
+                                           100) "," QUAD("wall", "m", TURNED, -2, 100) "}}";
+
+static void clear_glass_gives_its_place_to_what_is_behind(void **state)
+{
+    (void)state;
+    struct shot s;
+    double error;
+    take(&s, pane, JOB(OBJECTS, "'through':'delta'", SAMPLES(256)));
+    const double wall = mean_coverage(&s, "CryptoGlossObject", "wall", &error);
+    assert_within(wall - 0.96, CHECK_Z * error);
+    assert_within(mean_coverage(&s, "CryptoGlossObject", "pane", &error), 1e-6);
+    assert_within(mean_coverage(&s, "CryptoObject", "pane", &error) - 1.0, 0.0);
+    finish_shot(&s);
+}
+
+// Eq. 8: the pane covers what it does not let through, 0.04, and hands on all.
+static void full_mattes_of_opaque_surfaces_take_nothing_from_what_follows(void **state)
+{
+    (void)state;
+    struct shot s;
+    double error;
+    take(&s, pane, JOB(OBJECTS, "'through':'delta','coverage':'opaque_full'", SAMPLES(256)));
+    assert_within(mean_coverage(&s, "CryptoGlossObject", "pane", &error) - 0.04, 2e-5);
+    const double wall = mean_coverage(&s, "CryptoGlossObject", "wall", &error);
+    assert_within(wall - 0.96, CHECK_Z * error);
+    finish_shot(&s);
+}
+
+// ---- one bounce off rough metal under a ceiling without end, by quadrature
+
+#define CEILING 30.0 // metres above the floor
+#define TO_FLOOR 5.0 // metres from the camera, whose view meets the floor at a cosine of 0.6
+#define HALF_PIXEL (0.0005 / 16)
+
+static const char under_a_ceiling[] =
+    "{'cameras':{'c':{'yfov':0.001,'transform':{'translation':[0,3,4],'rotation':"
+    "[-0.316227766,0,0,0.948683298]}}},'environment':{'radiance':[1,1,1]},"
+    "'meshes':{'quad':{'primitive':'quad'}},"
+    "'materials':{'floor':{'metallic':1,'roughness':%g,'base_color':[0.7,0.7,0.7]},"
+    "'paint':{'ior':1,'base_color':[0,0,0]}},'objects':{'floor':{},'ceiling':{}},"
+    "'instances':{'floor':{'object':'floor','mesh':'quad','material':'floor','transform':{"
+    "'rotation':[0.707106781,0,0,0.707106781],'scale':[2,2,1]}},"
+    "'ceiling':{'object':'ceiling','mesh':'quad','material':'paint','transform':{'translation':"
+    "[0,30,0],'rotation':[-0.707106781,0,0,0.707106781],'scale':[1e5,1e5,1]}}}}";
+
+static double plain_variance(double pdf)
+{
+    const double e = fmin(1.0 / (2.0 * M_PI * pdf), 1.0);
+    return e * (2.0 - e) / (2.0 * (1.0 - e) * (1.0 - e));
+}
+
+static double plain_weight(double pdf, double way, double alpha, bool cut)
+{
+    const double r = HALF_PIXEL * (TO_FLOOR + way), v2 = plain_variance(pdf);
+    const double w = isinf(v2) ? 0.0 : pow(r * r / (r * r + way * way * v2), 0.5 * alpha);
+    const double flat = pow(r * r / (r * r + way * way * 1.5), 0.5 * alpha);
+    return cut ? fmax(0.0, (w - flat) / (1.0 - flat)) : w;
+}
+
+// The integral of W f cos over the directions that see the ceiling.
+static double ceiling_by_quadrature(float roughness, double alpha, bool cut)
+{
+    enum { RINGS = 2000, TURNS = 720 };
+    const struct material metal = {
+        .name = "", .base = 0.7f, .metallic = 1, .roughness = roughness, .ior = 1.5f};
+    const struct gk_vec wo = gk_vec(0.8f, 0.0f, 0.6f);
+    const struct gk_surface surface = make_surface_at(&metal, wo);
+    double sum = 0.0;
+    for (int i = 0; i < RINGS; i++)
+        for (int j = 0; j < TURNS; j++) {
+            const double z = (i + 0.5) / RINGS;
+            const struct gk_bsdf_value f =
+                gk_bsdf_eval(&surface, wo, direction(z, (j + 0.5) / TURNS));
+            if (f.pdf > 0.0f)
+                sum += gk_mean3(f.f) * plain_weight(f.pdf, CEILING / z, alpha, cut);
+        }
+    return sum * 2.0 * M_PI / (RINGS * TURNS);
+}
+
+static void rough_metal_hands_on_the_integral_of_eq_1(void **state)
+{
+    (void)state;
+    static const struct {
+        double roughness, alpha;
+        bool cut;
+    } setting[] = {{0.3, 0.1, true},  {0.3, 0.1, false}, {0.5, 0.1, true},
+                   {0.5, 1.0, false}, {0.7, 0.05, true}, {0.2, 2.0, false}};
+    for (size_t i = 0; i < COUNT(setting); i++) {
+        struct shot s;
+        double error;
+        char scene[2048], job[512];
+        snprintf(scene, sizeof scene, under_a_ceiling, setting[i].roughness);
+        snprintf(job, sizeof job,
+                 JOB(OBJECTS, "'through':'glossy','alpha':%g,'diffuse_cut':%s",
+                     SAMPLES(256) "'accuracy':{'microfacet':'single'},"),
+                 setting[i].alpha, setting[i].cut ? "true" : "false");
+        take(&s, scene, job);
+        const double mean = mean_coverage(&s, "CryptoGlossObject", "ceiling", &error);
+        const double want =
+            ceiling_by_quadrature((float)setting[i].roughness, setting[i].alpha, setting[i].cut);
+        print_message("# roughness %g alpha %g: %.5f, by quadrature %.5f, error %.5f\n",
+                      setting[i].roughness, setting[i].alpha, mean, want, error);
+        assert_within(mean - want, CHECK_Z * error + 2e-4);
+        finish_shot(&s);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_sample_is_given_away_whole),
+        cmocka_unit_test(the_picture_and_what_is_seen_directly_are_the_same_without),
+        cmocka_unit_test(reflection_and_refraction_make_what_is_seen_by_bounces),
+        cmocka_unit_test(facing_mirrors_share_as_a_geometric_series),
+        cmocka_unit_test(diffuse_surfaces_keep_all_of_theirs),
+        cmocka_unit_test(without_the_cut_they_lose_some),
+        cmocka_unit_test(clear_glass_gives_its_place_to_what_is_behind),
+        cmocka_unit_test(full_mattes_of_opaque_surfaces_take_nothing_from_what_follows),
+        cmocka_unit_test(rough_metal_hands_on_the_integral_of_eq_1),
+    };
+    return cmocka_run_group_tests(tests, things_start, things_finish);
+}
