@@ -5,8 +5,10 @@ import { bytes, count, number, seconds, short } from "./format.js";
 import { ended, jobTitle } from "./jobs.js";
 import { describeProblem, showProblem } from "./problems.js";
 
+const WAITS = { turn: "its turn", preparation: "its program and film", memory: "memory that others hold" };
+
 const ROWS = [
-    ["State", (j) => j.state],
+    ["State", (j) => (j.waits_for ? `${j.state}, waits for ${WAITS[j.waits_for] ?? j.waits_for}` : j.state)],
     ["Scene", (j) => j.scene],
     ["Samples", (j) => (j.target_samples ? `${count(j.samples)} of ${count(j.target_samples)}` : count(j.samples))],
     ["Error", (j) => (j.error === null ? "–" : number(j.error))],
@@ -14,7 +16,7 @@ const ROWS = [
     ["Worker time", (j) => seconds(j.worker_seconds)],
     ["Rays", (j) => (j.rays ? short(j.rays.camera + j.rays.bounce + j.rays.shadow) : "–")],
     ["Resolution", (j) => (j.job?.resolution ? j.job.resolution.join(" × ") : "–")],
-    ["Memory", (j) => (j.film_bytes ? bytes(j.film_bytes) : null)],
+    ["Memory", (j) => (j.memory_bytes ? bytes(j.memory_bytes) : null)],
     ["Client", (j) => j.client || null],
     ["Revision", (j) => j.revision?.slice(0, 12)],
     ["Id", (j) => j.id],

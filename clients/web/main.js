@@ -163,8 +163,9 @@ class Viewer {
     }
 
     #jobTold(job) {
-        if (this.toldState !== `${job.id} ${job.state}`) say(`${jobTitle(job)}: ${job.state}`);
-        this.toldState = `${job.id} ${job.state}`;
+        const state = `${job.id} ${job.state}`, changed = state !== this.toldState;
+        this.toldState = state;
+        if (changed) say(`${jobTitle(job)}: ${job.state}`);
         this.jobs.update(job);
         this.panel.show(job);
         this.#welcome();
@@ -179,7 +180,10 @@ class Viewer {
             this.#showPanel();
         }
         this.mattes.job &&= job;
-        if (ended(job.state)) this.#showPanel();
+        if (changed && ended(job.state)) {
+            this.#showPanel();
+            this.mattes.refresh(true);
+        }
     }
 
     #controls(job) {
@@ -341,5 +345,5 @@ class Viewer {
     }
 }
 
-const viewer = new Viewer();
+export const viewer = new Viewer(); // for measurements of what it draws
 viewer.start();

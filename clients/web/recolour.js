@@ -7,19 +7,21 @@ const DARKEST = 0.01;
 
 export const leading = (c) => (c[1] > c[0] ? (c[2] > c[1] ? 2 : 1) : c[2] > c[0] ? 2 : 0);
 
-// Mean of what read(i) gives, over the matte; edges, which hold the background too, hardly count.
-export function meanUnder(mask, read) {
+function meanOf(mask, read, least) {
     const sum = [0, 0, 0];
     let total = 0;
     for (let i = 0; i < mask.length; i++) {
-        if (!mask[i]) continue;
+        if (mask[i] < least) continue;
         const v = read(i), w = (mask[i] / 255) ** 8;
         if (!Number.isFinite(v[0] + v[1] + v[2])) continue;
         for (let k = 0; k < 3; k++) sum[k] += w * Math.max(v[k], 0);
         total += w;
     }
-    return total ? sum.map((v) => v / total) : sum;
+    return total ? sum.map((v) => v / total) : null;
 }
+
+// Mean of what read(i) gives, over the pixels that are the matte's alone, where it has any.
+export const meanUnder = (mask, read) => meanOf(mask, read, 255) ?? meanOf(mask, read, 1) ?? [0, 0, 0];
 
 export function meanOfPicture(mask, halves) {
     return meanUnder(mask, (i) => [fromHalf[halves[4 * i]], fromHalf[halves[4 * i + 1]], fromHalf[halves[4 * i + 2]]]);

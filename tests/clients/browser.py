@@ -200,6 +200,10 @@ class Browser:
     def at(self, x, y):
         """Moves the pointer over a pixel of the picture."""
         left, top = self.place()
+        return self.pointer(left + x, top + y)
+
+    def pointer(self, x, y):
+        """Moves the pointer over a point of the page."""
         chain = ActionChains(self.driver)
-        chain.w3c_actions.pointer_action.move_to_location(int(left + x), int(top + y))
+        chain.w3c_actions.pointer_action.move_to_location(int(x), int(y))
         return chain

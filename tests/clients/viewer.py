@@ -244,7 +244,7 @@ def tab_to(page, name):
     raise AssertionError(f"Tab does not come to {name}")
 
 
-def test_a_job_is_submitted_paused_extended_and_looked_at_by_keys_alone():
+def test_a_job_is_submitted_extended_and_looked_at_by_keys_alone():
     with Daemon() as daemon, Browser(daemon) as page:
         daemon.put("room", SCENE)
         page.until(lambda: page.all("#scenes .card"))
@@ -260,6 +260,9 @@ def test_a_job_is_submitted_paused_extended_and_looked_at_by_keys_alone():
         page.until(lambda: page.text("#job-line").startswith("done"), 120)
         (name,) = [j["id"] for j in daemon.get("/v1/jobs").json()["jobs"]]
         assert daemon.job(name)["samples"] == 4
+        page.run("document.querySelector('[aria-label=\"Samples per pixel\"]').focus()")
+        page.press(Keys.ENTER)
+        page.until(lambda: page.text("#job-line").startswith("done · 8 samples"), 120)
         page.press("g", "p", Keys.ARROW_RIGHT, Keys.ARROW_DOWN, Keys.ENTER)
         page.until(lambda: chosen(page) == ["wall"])
         page.press("?")
