@@ -1,11 +1,14 @@
 // cmd_jobs.c - jobs, watch and cancel.
 #include "command.h"
 #include "follow.h"
+#include "interrupt.h"
 #include "problem.h"
 #include "table.h"
 #include "tev_stream.h"
 
 #include <stdlib.h>
+
+#define MAX_WATCHED 1000
 
 static const struct glint_column row[] = {
     {"JOB", "id", GLINT_COLUMN_TEXT},
@@ -69,24 +72,55 @@ static glint_status run_jobs(struct glint_session *s, const struct glint_argumen
     return GLINT_OK;
 }
 
+static glint_status watch_one(struct glint_session *s, const struct glint_arguments *a, int number,
+                              cJSON **job, struct glint_error *err)
+{
+    const char *id = a->text[number], *tev = glint_options_text(a, "tev");
+    *job = NULL;
+    glint_progress_init(&s->progress, glint_options_text(a, "progress"), s->json);
+    if (a->count > 1)
+        glint_progress_note(&s->progress, "job %s", id);
+    glint_status status = tev ? glint_tev_stream_create(&s->tev, s, tev, id, id, err) : GLINT_OK;
+    if (!status)
+        status = glint_follow_job(s, id, job, err);
+    if (!status)
+        status = glint_follow_verdict(s, *job, err);
+    return status;
+}
+
+// The jobs that are done, as one document or one after the other.
+static void print_watched(struct glint_session *s, cJSON *done, int watched)
+{
+    if (s->json && watched > 1) {
+        cJSON *document = cJSON_CreateObject();
+        cJSON_AddItemToObject(document, "jobs", done);
+        glint_session_print(document);
+        return;
+    }
+    for (cJSON *job; (job = cJSON_DetachItemFromArray(done, 0));)
+        print_job(s, job);
+    cJSON_Delete(done);
+}
+
+// One after the other; each is watched to its end, whatever became of those before.
 static glint_status run_watch(struct glint_session *s, const struct glint_arguments *a,
                               struct glint_error *err)
 {
-    cJSON *job = NULL;
     if (!glint_progress_init(&s->progress, glint_options_text(a, "progress"), s->json))
         return glint_session_usage(s, err, "--progress wants auto, bar, plain, openjd or none");
-    const char *tev = glint_options_text(a, "tev"), *id = a->text[0];
     glint_status status = glint_session_open(s, a, false, err);
-    if (!status && tev)
-        status = glint_tev_stream_create(&s->tev, s, tev, id, id, err);
-    if (!status)
-        status = glint_follow_job(s, id, &job, err);
-    if (!status)
-        status = glint_follow_verdict(s, job, err);
-    if (!status)
-        print_job(s, job);
-    else
-        cJSON_Delete(job);
+    if (status)
+        return status;
+    cJSON *done = cJSON_CreateArray(), *job;
+    for (int i = 0; i < a->count && !glint_interrupt_pending(); i++) {
+        const glint_status st = watch_one(s, a, i, &job, err);
+        if (st)
+            cJSON_Delete(job);
+        else
+            cJSON_AddItemToArray(done, job);
+        status = status ? status : st;
+    }
+    print_watched(s, done, a->count);
     return status;
 }
 
@@ -141,11 +175,11 @@ const struct glint_command glint_command_jobs = {
 
 const struct glint_command glint_command_watch = {
     .name = "watch",
-    .operands = "JOB",
-    .summary = "Show a job's progress until it has ended",
+    .operands = "JOB...",
+    .summary = "Show the progress of jobs until each has ended",
     .options = watch_options,
     .least = 1,
-    .most = 1,
+    .most = MAX_WATCHED,
     .run = run_watch,
 };
 

@@ -14,6 +14,7 @@
 
 #define BLOCK_BYTES 4096 // for clients that cannot take chunks; to others the library sends more
 #define MOST_PARTS 16    // for one client before it is the next one's turn
+#define SERVED_AT_ONCE 8 // streams, before others may have the lists
 // What the kernel keeps for a slow reader is old by the time it is read.
 #define SOCKET_BYTES (64 * 1024)
 
@@ -353,19 +354,28 @@ static bool serve_for(struct glint_stream *s, uint64_t news)
 }
 
 // Serves it if that is due. Returns true if it is still due afterwards.
-static bool serve_if_due(struct glint_stream *s, double until)
+static bool serve_if_due(struct glint_stream *s)
 {
     const uint64_t news = atomic_load_explicit(s->news, memory_order_acquire);
     pthread_mutex_lock(&s->mutex);
-    bool left = due(s, news);
-    const bool served = left && glint_now() < until;
-    if (served)
-        left = serve_for(s, news);
+    const bool left = due(s, news) && serve_for(s, news);
     pthread_mutex_unlock(&s->mutex);
-    if (served) { // it lives at least as long as the lists are held
+    return left;
+}
+
+// Serves the next few, who live as long as the lists are held, and moves them to the end.
+static bool serve_some(glint_http *http, enum glint_stream_kind kind, const glint_stream_news *news,
+                       uint32_t count)
+{
+    bool left = false;
+    struct glint_stream *s;
+    pthread_mutex_lock(&http->lists);
+    while (count-- && (s = http->streams[kind].first)) {
+        left |= (!news || s->news == news) && serve_if_due(s);
         take_out(s);
         append(s);
     }
+    pthread_mutex_unlock(&http->lists);
     return left;
 }
 
@@ -374,12 +384,14 @@ bool glint_streams_serve(glint_http *http, enum glint_stream_kind kind,
 {
     bool left = false;
     pthread_mutex_lock(&http->lists);
-    uint32_t count = http->streams[kind].count; // those that are served go to the end
-    for (struct glint_stream *s = http->streams[kind].first, *next; count--; s = next) {
-        next = s->next;
-        left |= (!news || s->news == news) && serve_if_due(s, until);
-    }
+    uint32_t count = http->streams[kind].count;
     pthread_mutex_unlock(&http->lists);
+    for (uint32_t n; count; count -= n) {
+        if (glint_now() >= until)
+            return true;
+        n = count < SERVED_AT_ONCE ? count : SERVED_AT_ONCE;
+        left |= serve_some(http, kind, news, n);
+    }
     return left;
 }
 

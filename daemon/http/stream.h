@@ -63,7 +63,7 @@ struct glint_stream {
 void glint_stream_start(struct glint_request *r, struct glint_stream *stream, const char *type);
 
 // Serves the streams of a kind whose source has news, or only those that wait for `news` (NULL: all),
-// until the time is `until` on glint_now()'s clock. True when some are left.
+// until the time is `until` on glint_now()'s clock. True when some may be left.
 bool glint_streams_serve(glint_http *http, enum glint_stream_kind kind,
                          const glint_stream_news *news, double until);
 

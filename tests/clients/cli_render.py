@@ -94,6 +94,23 @@ def test_json_is_one_document_with_the_job_and_its_files():
         assert json.loads(run.stdout) == JOB
 
 
+def test_several_jobs_are_watched_each_to_its_end():
+    failed = {**JOB, "id": "job2", "state": "failed",
+              "problem": {"type": "/problems/test", "title": "A problem", "status": 500,
+                          "detail": "it broke", "errors": []}}
+    third = {**JOB, "id": "job3"}
+    with FakeDaemon() as daemon:
+        for job in failed, third:
+            daemon.on("GET", f"/v1/jobs/{job['id']}", Answer(200, job))
+            daemon.on("GET", f"/v1/jobs/{job['id']}/events",
+                      Answer(200, event("done", job, 1), "text/event-stream"))
+        run = cli.glint("watch", "job1", "job2", "job3", "--progress", "plain", server=daemon.url)
+        assert run.returncode == 1 and "it broke" in run.stderr, run
+        assert run.stdout.count("Progress: 100%") == 3
+        run = cli.glint("watch", "job1", "job3", "--json", server=daemon.url)
+        assert run.returncode == 0 and json.loads(run.stdout) == {"jobs": [JOB, third]}
+
+
 def test_a_download_that_breaks_off_leaves_the_old_file():
     with FakeDaemon() as daemon, Folder() as folder:
         daemon.on("GET", FRAME_PATH, Answer(200, FRAME, cut=5))

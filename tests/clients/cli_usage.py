@@ -53,7 +53,7 @@ def test_version_is_told_by_each_command():
 def test_wrong_usage_exits_64_and_names_the_fault():
     for arguments, named in [
             ([], "Usage"), (["paint"], "paint"), (["jobs", "--colour"], "--colour"),
-            (["watch"], "JOB"), (["watch", "a", "b"], "'b'"), (["render", "x", "-o"], "FILE"),
+            (["watch"], "JOB"), (["plan", "a", "b"], "'b'"), (["render", "x", "-o"], "FILE"),
             (["jobs", "--json=yes"], "--json"), (["jobs", "-x"], "-x"),
             (["render", "x", "-o", "frame.gif"], "frame.gif"), (["get", "j"], "-o FILE"),
             (["matte", "j", "-o", "m.png"], "--name"),
