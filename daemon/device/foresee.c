@@ -59,6 +59,7 @@ static struct all_known *read_known(glint_devices *devices)
     struct all_known *all = devices->ahead ? calloc(1, sizeof *all) : NULL;
     if (all) {
         all->cache = glint_ahead_cache(devices->ahead);
+        glint_listing_sweep(all->cache);
         glint_listing_each(all->cache, note, all);
     }
     return all;

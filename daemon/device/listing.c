@@ -18,6 +18,7 @@
 #define MAX_PATH 512
 #define MAX_OPTIONS 4096
 #define MAX_FILES 256
+#define DAY 86400.0
 
 static bool hash_file(const char *path, char hex[65])
 {
@@ -253,4 +254,26 @@ static int remove_one(const char *path, const struct stat *s, int type, struct F
 void glint_folder_remove(const char *path)
 {
     nftw(path, remove_one, 16, FTW_PHYS | FTW_DEPTH);
+}
+
+static bool is_litter(const char *cache, const char *name)
+{
+    char path[MAX_PATH * 2];
+    struct stat s;
+    snprintf(path, sizeof path, "%s/%s", cache, name);
+    return (!strncmp(name, "making-", 7) || !strncmp(name, "tempfile_", 9)) && !lstat(path, &s) &&
+           difftime(time(NULL), s.st_mtime) > DAY;
+}
+
+void glint_listing_sweep(const char *cache)
+{
+    char path[MAX_PATH * 2];
+    DIR *folder = opendir(cache);
+    for (const struct dirent *e; folder && (e = readdir(folder));)
+        if (is_litter(cache, e->d_name)) {
+            snprintf(path, sizeof path, "%s/%s", cache, e->d_name);
+            glint_folder_remove(path);
+        }
+    if (folder)
+        closedir(folder);
 }

@@ -25,6 +25,9 @@ void glint_listing_each(const char *cache, glint_listing_fn *call, void *user);
 bool glint_listing_take(const char *cache, const char *key, const char *options,
                         const char *const *made, int count);
 
+// Removes what processes that were ended left lying in the cache more than a day ago.
+void glint_listing_sweep(const char *cache);
+
 // Removes a folder and all in it.
 void glint_folder_remove(const char *path);
 

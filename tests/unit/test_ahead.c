@@ -185,6 +185,21 @@ static void listings_tell_what_for_and_since_when(void **state)
     glint_ahead_destroy(&ahead);
 }
 
+static void what_ended_processes_left_is_swept_away_after_a_day(void **state)
+{
+    (void)state;
+    const struct timespec long_ago[2] = {{1000, 0}, {1000, 0}};
+    const char *const names[] = {"making-old", "tempfile_old", "making-new", "other"};
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(mkdir(in_cache(names[i]), 0700), 0);
+        if (i != 2)
+            assert_int_equal(utimensat(AT_FDCWD, in_cache(names[i]), long_ago, 0), 0);
+    }
+    glint_listing_sweep(cache);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(access(in_cache(names[i]), F_OK) == 0, i >= 2);
+}
+
 static void faults_in_kernels_are_told(void **state)
 {
     (void)state;
@@ -361,6 +376,7 @@ int main(void)
         FRESH(what_is_torn_is_made_anew),
         FRESH(a_listing_cannot_name_what_is_outside),
         FRESH(listings_tell_what_for_and_since_when),
+        FRESH(what_ended_processes_left_is_swept_away_after_a_day),
         FRESH(faults_in_kernels_are_told),
         FRESH(a_helper_that_cannot_work_leaves_it_to_the_launch),
         FRESH(without_a_helper_nothing_is_compiled_ahead),
