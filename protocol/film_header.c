@@ -1,5 +1,6 @@
 #include "protocol/film_header.h"
 
+#include "kernels/gk_matte.h"
 #include "protocol/cryptomatte.h"
 #include "protocol/fields.h"
 
@@ -11,7 +12,7 @@
 
 #define MAX_RAYS 9007199254740992.0 // what a double counts exactly
 #define MAX_SECONDS 1e12
-#define MAX_MATTES 0x7fffffu // keys
+#define MAX_MATTES GK_MATTE_BASE_KEY
 
 static const struct glint_field plane_fields[] = {
     GLINT_FIELD(BOOL, struct glint_film_info, aovs),

@@ -132,17 +132,19 @@ static bool samples_agree(const glint_film_file *f, uint32_t samples)
     return samples == before || (m->samples && samples == before + m->samples);
 }
 
-// Keys of tables are indices.
+// Keys of tables are indices and classes.
 static bool keys_exist(const glint_film_file *f, const void *memory)
 {
     const struct glint_film_info *info = &f->header->info;
     const uint64_t *table = (const uint64_t *)(const void *)((const uint8_t *)memory +
                                                              glint_film_info_plane_bytes(info));
-    const uint32_t slots = info->job->matte_slots;
+    const uint32_t slots = info->job->matte_slots, classes = glint_matte_classes(info->job);
     for (uint32_t i = 0; info->coverage && i < GK_TILE_PIXELS; i++)
-        for (uint32_t s = 0; s < slots; s++)
-            if (gk_matte_key(table[(size_t)i * (slots + 1) + s]) >= info->mattes)
+        for (uint32_t s = 0; s < slots; s++) {
+            const uint32_t key = gk_matte_key(table[(size_t)i * (slots + 1) + s]);
+            if ((key & GK_MATTE_BASE_KEY) >= info->mattes || gk_matte_class(key) > classes)
                 return false;
+        }
     return true;
 }
 

@@ -34,9 +34,9 @@ glint_render *filmed_render(const struct offline *o, const struct glint_posed *s
 {
     char *text = stable_text(
         "{'scene':'s','outputs':['beauty','variance','samples','crypto_object','crypto_material',"
-        "'crypto_asset','depth','normal','albedo','motion'],%s"
-        "'resolution':[100,64],'shutter':[0,0.25],'max_bounces':4,'mattes':{'levels':4,'slots':8}}",
-        members);
+        "'crypto_asset','depth','normal','albedo','motion'],%s%s"
+        "'resolution':[100,64],'shutter':[0,0.25],'max_bounces':4}",
+        members, strstr(members, "mattes") ? "" : "'mattes':{'levels':4,'slots':8},");
     struct glint_error err = {0};
     struct glint_job *job = offline_job(text);
     struct glint_posed posed;

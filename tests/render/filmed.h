@@ -5,14 +5,10 @@
 #include "protocol/film_file.h"
 #include "tests/stability/stable.h"
 
-#define FILMED_SAMPLES 24
-#define FILMED_PASSES "1, 4, 16, 24"
-
 // Glass, a lamp, something that moves, from two cameras "eye" and "side".
 struct glint_posed filmed_scene(const struct offline *o);
 
-// All outputs, a region that begins and ends inside of tiles. `members`: more of the job, with ' for
-// " and each ending with a comma; a later one replaces none before.
+// All outputs. `members`: more of the job, with ' for " and each ending with a comma.
 glint_render *filmed_render(const struct offline *o, const struct glint_posed *scene,
                             const char *members);
 

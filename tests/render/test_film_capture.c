@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #define MAX_TILES 64
+#define MOVES 12
 #define COUNTS 5 // of samples between passes, with none
 
 static struct glint_posed scene;
@@ -256,16 +257,24 @@ static void frames_of_a_running_render_hold_one_moment(void **state)
     end(&c);
 }
 
+static uint32_t slices_of(struct house *h)
+{
+    pthread_mutex_lock(&h->mutex);
+    const uint32_t slices = h->slices;
+    pthread_mutex_unlock(&h->mutex);
+    return slices;
+}
+
 // A live render that moves between two cameras: a film shows one of them.
 static void films_of_a_render_that_moves_hold_one_view(void **state)
 {
     (void)state;
     struct reference r = make_reference();
     struct crowd c;
-    begin(&c, jobs[0], 12);
-    for (int camera = 1; c.house.restarts; camera = !camera) {
+    begin(&c, jobs[0], MOVES);
+    for (int camera = 1, moves = 0; moves < MOVES; moves++, camera = !camera) {
         glint_view *view = view_of(&c.house, camera);
-        uint32_t wanted = c.house.slices + 9;
+        const uint32_t wanted = slices_of(&c.house) + 9;
         bool moved = false;
         while (!moved) {
             pthread_mutex_lock(&c.house.mutex);

@@ -127,6 +127,34 @@ static void boxes_of_pixels_and_samples_make_one_frame(void **state)
     check_split(five, 5, STOP);
 }
 
+// With slots for all that bounces bring.
+static void coverage_through_bounces_makes_one_frame(void **state)
+{
+    (void)state;
+#define THROUGH "'mattes':{'levels':4,'slots':32,'through':'glossy','classes':true},"
+    static const char *const three[] = {THROUGH "'sample_range':[0,5],'region':[0,0,70,64],",
+                                        THROUGH "'sample_range':[5,12],'region':[0,0,70,64],",
+                                        THROUGH "'sample_range':[0,12],'region':[70,0,30,64],"};
+    check_split(three, 3, THROUGH "'stop':{'samples':12},");
+}
+
+// Three names and the background do not fit into what two films have kept of them.
+static void names_that_found_no_slot_are_warned_of(void **state)
+{
+    (void)state;
+#define TIGHT "'mattes':{'levels':1,'slots':4,'through':'glossy','eviction':'drop'},"
+    static const char *const two[] = {TIGHT "'sample_range':[0,5],",
+                                      TIGHT "'sample_range':[5,16],"};
+    struct parts p = make_parts(two, 2);
+    glint_film_sum *sum;
+    const char *const *warning;
+    assert_int_equal(glint_film_merge(&sum, p.part, p.count, false, NULL), GLINT_OK);
+    assert_int_equal(glint_film_sum_warnings(sum, &warning), 1);
+    assert_non_null(strstr(warning[0], "slots for coverage were full"));
+    glint_film_sum_destroy(&sum);
+    drop_parts(&p);
+}
+
 // A sum that is a film again: of later samples, of a part, to go on from.
 static void sum_is_a_film_that_goes_on(void **state)
 {
@@ -279,6 +307,8 @@ int main(void)
         cmocka_unit_test(regions_make_one_frame),
         cmocka_unit_test(odd_sample_ranges_make_one_frame),
         cmocka_unit_test(boxes_of_pixels_and_samples_make_one_frame),
+        cmocka_unit_test(coverage_through_bounces_makes_one_frame),
+        cmocka_unit_test(names_that_found_no_slot_are_warned_of),
         cmocka_unit_test(sum_is_a_film_that_goes_on),
         cmocka_unit_test(overlaps_are_refused_each_with_its_pixels_and_samples),
         cmocka_unit_test(other_jobs_are_refused_with_every_difference),

@@ -58,6 +58,27 @@ static void restore(glint_render *render, int fd)
     close(fd);
 }
 
+// Coverage that bounces bring, in full tables that share without bias: keys have classes.
+static void coverage_through_bounces_goes_on_to_the_same_bytes(void **state)
+{
+    (void)state;
+    static const char job[] = "'stop':{'samples':20},'mattes':{'levels':2,'slots':4,'through':"
+                              "'glossy','classes':true,'eviction':'uss_direct_first'},";
+    glint_render *twin = whole(job), *before = begin(job), *after = begin(job), *opened;
+    filmed_run(&offline_crew, before, 20);
+    restore(after, filmed_write(before));
+    finish(after);
+    filmed_assert_same(after, twin);
+    const int fd = filmed_write(twin);
+    assert_int_equal(glint_render_open(&opened, fd, NULL), GLINT_OK);
+    close(fd);
+    filmed_assert_same(opened, twin);
+    glint_render_destroy(&before);
+    glint_render_destroy(&after);
+    glint_render_destroy(&opened);
+    glint_render_destroy(&twin);
+}
+
 // Through several files, one after the other, with slices that come back without having been run.
 static void render_may_be_restored_again_and_again(void **state)
 {
@@ -337,6 +358,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(film_of_any_moment_goes_on_to_the_same_bytes),
+        cmocka_unit_test(coverage_through_bounces_goes_on_to_the_same_bytes),
         cmocka_unit_test(render_may_be_restored_again_and_again),
         cmocka_unit_test(decision_to_stop_by_error_is_the_same),
         cmocka_unit_test(file_answers_for_a_render_that_has_ended),

@@ -324,7 +324,7 @@ static void use(glint_film_file *file)
     glint_frame_destroy(&frame);
     if (!info->coverage)
         return;
-    assert_int_equal(glint_film_mattes(&source, GLINT_MATTE_OBJECT, &total, &count, &lost, NULL),
+    assert_int_equal(glint_film_mattes(&source, GLINT_MATTE_OBJECT, 1, &total, &count, &lost, NULL),
                      GLINT_OK);
     free(total);
 }
