@@ -11,12 +11,18 @@
 #include <string.h>
 
 #define MAX_IDLE_TOPICS 64 // that nobody reads just now
+#define MAX_SECONDS 0.2    // between looks at all jobs that somebody watches
 #define GREETING "retry: 2000\n\n"
 
 struct glint_topics {
     pthread_mutex_t mutex;
     struct glint_topic *first; // most lately opened first
     size_t count;
+
+    uint32_t
+        by_state[GLINT_JOB_CANCELLED + 1]; // jobs at the last round, as are these: the watcher's
+    uint64_t submitted;
+    double looked_at; // when all topics were looked at
 };
 
 struct events {
@@ -103,14 +109,32 @@ static void close_topic(glint_topics *all, struct glint_topic *t)
     pthread_mutex_unlock(&all->mutex);
 }
 
-// Those with readers, each with one user more, in a malloc'd array; NULL without memory.
-static struct glint_topic **hold_all(glint_topics *all, size_t *count)
+// Jobs that render change with every pixel, all others with some job's state. Two changes that make
+// up for each other are seen a little later.
+static bool all_may_have_changed(glint_topics *all, glint_jobs *jobs)
+{
+    struct glint_jobs_stats now;
+    glint_jobs_stats(jobs, &now);
+    const double time = glint_now();
+    if (now.submitted == all->submitted && time < all->looked_at + MAX_SECONDS &&
+        !memcmp(now.by_state, all->by_state, sizeof now.by_state))
+        return false;
+    memcpy(all->by_state, now.by_state, sizeof now.by_state);
+    all->submitted = now.submitted;
+    all->looked_at = time;
+    return true;
+}
+
+// Those with readers that are worth a look, each with one user more, in a malloc'd array; NULL
+// without memory.
+static struct glint_topic **hold(glint_topics *all, bool quiet_too, size_t *count)
 {
     *count = 0;
     pthread_mutex_lock(&all->mutex);
     struct glint_topic **held = malloc((all->count + 1) * sizeof(struct glint_topic *));
     for (struct glint_topic *t = all->first; held && t; t = t->next)
-        if (t->users) {
+        // Relaxed: a round that comes too early for it is followed by another.
+        if (t->users && (quiet_too || !atomic_load_explicit(&t->quiet, memory_order_relaxed))) {
             t->users++;
             held[(*count)++] = t;
         }
@@ -121,7 +145,8 @@ static struct glint_topic **hold_all(glint_topics *all, size_t *count)
 void glint_topics_round(glint_http *http, uint64_t cause_us)
 {
     size_t count;
-    struct glint_topic **held = hold_all(http->topics, &count);
+    struct glint_topic **held =
+        hold(http->topics, all_may_have_changed(http->topics, http->jobs), &count);
     for (size_t i = 0; i < count; i++) {
         glint_topic_look(held[i], http->jobs, cause_us);
         close_topic(http->topics, held[i]);

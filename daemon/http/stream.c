@@ -365,12 +365,12 @@ static bool serve_if_due(struct glint_stream *s)
 
 // Serves the next few, who live as long as the lists are held, and moves them to the end.
 static bool serve_some(glint_http *http, enum glint_stream_kind kind, const glint_stream_news *news,
-                       uint32_t count)
+                       double until, uint32_t count)
 {
     bool left = false;
     struct glint_stream *s;
     pthread_mutex_lock(&http->lists);
-    while (count-- && (s = http->streams[kind].first)) {
+    while (count-- && (s = http->streams[kind].first) && glint_now() < until) {
         left |= (!news || s->news == news) && serve_if_due(s);
         take_out(s);
         append(s);
@@ -387,10 +387,10 @@ bool glint_streams_serve(glint_http *http, enum glint_stream_kind kind,
     uint32_t count = http->streams[kind].count;
     pthread_mutex_unlock(&http->lists);
     for (uint32_t n; count; count -= n) {
+        n = count < SERVED_AT_ONCE ? count : SERVED_AT_ONCE;
+        left |= serve_some(http, kind, news, until, n);
         if (glint_now() >= until)
             return true;
-        n = count < SERVED_AT_ONCE ? count : SERVED_AT_ONCE;
-        left |= serve_some(http, kind, news, n);
     }
     return left;
 }

@@ -7,8 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PROGRESS_SECONDS 0.25  // between events
-#define PREPARING_SECONDS 0.02 // between looks at a job whose state cannot be asked for cheaply
+#define PROGRESS_SECONDS 0.25 // between events
 
 struct glint_topic *glint_topic_create(const char *job)
 {
@@ -17,7 +16,7 @@ struct glint_topic *glint_topic_create(const char *job)
         return NULL;
     strcpy(t->job, job);
     pthread_mutex_init(&t->mutex, NULL);
-    t->progress_at = t->described_at = -INFINITY;
+    t->progress_at = -INFINITY;
     return t;
 }
 
@@ -140,7 +139,7 @@ static bool worth_a_look(const struct glint_topic *t, glint_jobs *jobs, double n
     *sequence = 0;
     const glint_status st = glint_jobs_view(jobs, t->job, &view, NULL);
     if (st) // it is gone, or being prepared
-        return st != GLINT_E_BUSY || now >= t->described_at + PREPARING_SECONDS;
+        return true;
     const bool other_state = strcmp(glint_job_state_name(view.state), t->state);
     *sequence = view.sequence;
     glint_jobs_release(jobs, &view);
@@ -150,6 +149,7 @@ static bool worth_a_look(const struct glint_topic *t, glint_jobs *jobs, double n
 
 static void look(struct glint_topic *t, glint_jobs *jobs, uint64_t cause_us)
 {
+    const char *rendering = glint_job_state_name(GLINT_JOB_RENDERING);
     const double now = glint_now();
     uint64_t sequence;
     if (!worth_a_look(t, jobs, now, &sequence))
@@ -162,7 +162,7 @@ static void look(struct glint_topic *t, glint_jobs *jobs, uint64_t cause_us)
     publish_progress(t, job, cause_us, now);
     publish_state(t, job, cause_us);
     t->looked_at = sequence;
-    t->described_at = now;
+    atomic_store_explicit(&t->quiet, strcmp(t->state, rendering), memory_order_relaxed);
     cJSON_Delete(job);
 }
 

@@ -23,6 +23,7 @@ struct glint_topic {
     unsigned users;
     char job[GLINT_JOB_ID_BYTES];
     glint_stream_news news; // what readers wait for
+    atomic_bool quiet;      // the job did not render when it was looked at last
 
     pthread_mutex_t mutex;                           // guards the rest; a leaf but for the jobs'
     struct glint_topic_event ring[GLINT_TOPIC_RING]; // event i is ring[i % GLINT_TOPIC_RING]
@@ -30,7 +31,7 @@ struct glint_topic {
     uint64_t last;                                   // id of the newest
     uint64_t looked_at;                              // the job's sequence then
     char state[16];
-    double samples, progress, progress_at, described_at;
+    double samples, progress, progress_at;
     int warnings;
     bool ended; // nothing follows `done`, unless the job goes on
     bool gone;

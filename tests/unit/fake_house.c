@@ -272,7 +272,11 @@ void glint_jobs_release(glint_jobs *jobs, struct glint_job_view *view)
 
 void glint_jobs_stats(glint_jobs *jobs, struct glint_jobs_stats *out)
 {
+    pthread_mutex_lock(&jobs->mutex);
     *out = (struct glint_jobs_stats){.submitted = jobs->count};
+    for (uint32_t i = 0; i < jobs->count; i++)
+        out->by_state[jobs->job[i]->state] += !jobs->forgotten[i];
+    pthread_mutex_unlock(&jobs->mutex);
 }
 
 uint32_t glint_jobs_workers(glint_jobs *jobs, struct glint_worker_use *out, uint32_t capacity)
