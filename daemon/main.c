@@ -152,6 +152,7 @@ static void prepare_process(void)
     glint_serve_signals(&heeded);
     pthread_sigmask(SIG_BLOCK, &heeded, NULL); // until sigwait takes them
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN); // a file that may not grow is a full disk
     raise_file_limit();
 }
 
