@@ -189,6 +189,39 @@ static void the_region_lies_inside_the_resolution(void **state)
     refuse("{'scene':'a','resolution':[100]}", "/resolution=2 numbers");
 }
 
+static void a_sample_range_says_which_samples_and_how_many(void **state)
+{
+    (void)state;
+    struct glint_job *j = parse("{'scene':'a','sample_range':[5,21],'stop':{'seconds':9}}");
+    assert_true(j->sample_range[0] == 5 && j->sample_range[1] == 21);
+    assert_int_equal(j->stop.samples, 16);
+    assert_true(j->stop.seconds == 9);
+    glint_job_destroy(&j);
+    j = parse("{'scene':'a'}");
+    assert_true(j->sample_range[0] == 0 && j->sample_range[1] == 0);
+    glint_job_destroy(&j);
+    refuse("{'scene':'a','sample_range':[8,8]}", "/sample_range=from 8 to 8");
+    refuse("{'scene':'a','sample_range':[0,16777217]}", "/sample_range/1");
+    refuse("{'scene':'a','sample_range':[1]}", "/sample_range");
+    refuse("{'scene':'a','sample_range':[0,4],'stop':{'samples':4,'error':0.1}}",
+           "/stop/samples|/stop/error=sample range");
+    refuse("{'scene':'a','sample_range':[0,4],'live':true}", "/live");
+}
+
+static void a_copy_is_an_equal_job_of_its_own(void **state)
+{
+    (void)state;
+    struct glint_job *j = parse("{'scene':'a','name':'n','camera':'c','animation':'x'}"), copy;
+    assert_int_equal(glint_job_copy(&copy, j, NULL), GLINT_OK);
+    char *was = glint_job_write(j);
+    glint_job_destroy(&j);
+    char *is = glint_job_write(&copy);
+    assert_string_equal(is, was);
+    free(was);
+    free(is);
+    glint_arena_finish(&copy.arena);
+}
+
 static void slots_are_even_and_twice_the_levels(void **state)
 {
     (void)state;
@@ -285,6 +318,7 @@ static void assert_same(const struct glint_job *a, const struct glint_job *b)
         assert_string_equal(a->animation, b->animation);
     assert_true(a->width == b->width && a->height == b->height && a->outputs == b->outputs);
     assert_memory_equal(a->region, b->region, sizeof a->region);
+    assert_memory_equal(a->sample_range, b->sample_range, sizeof a->sample_range);
     assert_memory_equal(a->dial, b->dial, sizeof a->dial);
     assert_true(a->matte_slots == b->matte_slots && a->matte_levels == b->matte_levels);
     assert_true(a->filter == b->filter && a->filter_width == b->filter_width);
@@ -311,8 +345,9 @@ static void parsing_what_was_written_gives_an_equal_job(void **state)
     static const char moving[] =
         "{'scene':'a','frame':3,'fps':23.976,'shutter':[-0.1,0.4],'animation':'none','live':true,"
         "'outputs':['motion','beauty'],'camera':{'projection':'orthographic','ymag':0.3}}";
-    static const char *const jobs[] = {"{'scene':'a'}", "{'scene':'a','stop':{}}", named_camera,
-                                       own_camera, moving};
+    static const char *const jobs[] = {"{'scene':'a'}", "{'scene':'a','stop':{}}",
+                                       named_camera,    own_camera,
+                                       moving,          "{'scene':'a','sample_range':[3,77]}"};
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
         struct glint_job *a = parse(jobs[i]), *b;
         char *text = glint_job_write(a);
@@ -383,6 +418,8 @@ int main(void)
         cmocka_unit_test(a_preset_sets_the_dials_and_explicit_ones_override_it),
         cmocka_unit_test(a_stop_without_samples_imposes_none),
         cmocka_unit_test(the_region_lies_inside_the_resolution),
+        cmocka_unit_test(a_sample_range_says_which_samples_and_how_many),
+        cmocka_unit_test(a_copy_is_an_equal_job_of_its_own),
         cmocka_unit_test(slots_are_even_and_twice_the_levels),
         cmocka_unit_test(a_filter_has_the_width_of_its_kind_by_default),
         cmocka_unit_test(a_camera_is_a_name_or_an_object),
