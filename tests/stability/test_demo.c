@@ -1,5 +1,6 @@
 // The scene of the README, with everything in it: every pixel is sound, and of a million samples
 // none is rejected.
+#include "render/common.h"
 #include "tests/stability/stable.h"
 
 #include <stdio.h>
@@ -54,6 +55,21 @@ static void deep_paths_are_sound(void **state)
           "8}");
 }
 
+// A new installation is tried with it, so a daemon compiles what it needs first of all.
+static void its_kernels_are_the_first_to_be_foreseen(void **state)
+{
+    (void)state;
+    char options[GLINT_COMMON_OPTIONS];
+    struct glint_plan plan;
+    struct glint_job *job = offline_job("{\"scene\":\"s\"}");
+    const struct glint_effect_input in = {glint_resident_facts(demo), job,
+                                          &glint_resident_scene(demo)->camera[0], false};
+    glint_plan_make(&plan, &in, 0);
+    assert_true(glint_common_variant(0, options) > 1);
+    assert_string_equal(plan.options, options);
+    glint_job_destroy(&job);
+}
+
 static int start(void **state)
 {
     (void)state;
@@ -77,6 +93,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_million_samples_are_all_sound),
         cmocka_unit_test(deep_paths_are_sound),
+        cmocka_unit_test(its_kernels_are_the_first_to_be_foreseen),
     };
     return cmocka_run_group_tests(tests, start, finish);
 }
