@@ -45,7 +45,8 @@ static int by_value(const void *a, const void *b)
 
 static double measure(const char *name, float noise)
 {
-    static const struct glint_exr_options options = {GLINT_EXR_ZIP, GLINT_EXR_SINGLE, 4};
+    static const struct glint_exr_options options = {
+        .compression = GLINT_EXR_ZIP, .layout = GLINT_EXR_SINGLE, .zip_level = 4};
     struct glint_frame *f = make_tile(noise);
     double ms[TILES];
     size_t size = 0;
