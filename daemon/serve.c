@@ -99,6 +99,15 @@ static void *exit_on_next_signal(void *unused)
 
 static double watchdog_seconds;
 
+static void tell_alive(struct glint_house *h)
+{
+    struct glint_jobs_stats jobs;
+    glint_jobs_stats(h->jobs, &jobs);
+    glint_notify_alive();
+    glint_notify_status("serving %s; jobs: %u rendering, %u queued", h->url,
+                        jobs.by_state[GLINT_JOB_RENDERING], jobs.by_state[GLINT_JOB_QUEUED]);
+}
+
 // Who does not come round keeps this from returning, or from saying that all is well.
 static void watch(void *user)
 {
@@ -111,7 +120,7 @@ static void watch(void *user)
     if (!err.status && !glint_http_beats(h->http, watchdog_seconds))
         glint_fail(&err, GLINT_E_INTERNAL, "", "no HTTP thread answers");
     if (!err.status)
-        glint_notify_alive();
+        tell_alive(h);
     else
         glint_log(GLINT_LOG_ERROR, "main", NULL, NULL, "the watchdog is not told: %s",
                   glint_error_text(&err));

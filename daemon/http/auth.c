@@ -12,7 +12,7 @@
 // What a client needs before it has a token, or what tells nothing.
 static bool is_open(const struct glint_route *route)
 {
-    static const char *const open[] = {"/", "/healthz", "/readyz", "/openapi.yaml"};
+    static const char *const open[] = {"/", "/calls", "/healthz", "/readyz", "/openapi.yaml"};
     for (size_t i = 0; i < sizeof open / sizeof *open; i++)
         if (!strcmp(route->pattern, open[i]))
             return true;

@@ -264,6 +264,8 @@ def test_the_watchdog_is_told_in_time_while_everything_comes_round():
             daemon.submit(scene="room", stop={"samples": 100000})
             for _ in range(6):
                 manager.until("WATCHDOG")
+            while "jobs: 1 rendering" not in manager.until("STATUS")["STATUS"]:
+                pass
             daemon.process.send_signal(signal.SIGTERM)
             manager.until("STOPPING")
             assert daemon.process.wait(PATIENCE) == 0
