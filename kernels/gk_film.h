@@ -61,8 +61,8 @@ GK_INLINE void gk_sum_add(GK_GLOBAL gk_f32 *sum, gk_u32 i, gk_f32 x)
     c = gk_two_sum(c, rest, &rest);
     b = gk_two_sum(b, c, &c);
     a = gk_two_sum(a, b, &b);
-    // a is now the sum of two words rounded, ties to even. Where that was a tie which the third word
-    // decides the other way, a is one unit off what the sum of all three rounds to.
+    // a is now the sum of two words rounded, ties to even. Where that was a tie which the third
+    // word decides the other way, a is one unit off what the sum of all three rounds to.
     const gk_f32 next = a + 2.0f * b;
     const gk_i32 tie = b != 0.0f && next - a == 2.0f * b;
     const gk_i32 wrong = tie && c != 0.0f && (b > 0.0f) == (c > 0.0f);

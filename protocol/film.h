@@ -1,6 +1,6 @@
 // film.h - the accumulated pixels of a job and what goes with them, wherever they are: being
-// rendered, in a file, or merged of several files. Frames and mattes are made here, so that the same
-// sums give the same bytes.
+// rendered, in a file, or merged of several files. Frames and mattes are made here, so that the
+// same sums give the same bytes.
 //
 // Tiles of 16x16 pixels cover the job's region row by row; gk_film.h says how one lies in memory.
 //
@@ -72,9 +72,10 @@ struct glint_matte_total {
     uint32_t id;
     double coverage;
 }; // pixels covered
-// Every name of the scene with its coverage over the frame by what is in `classes`, bits 1 << class:
-// 0 is what is seen directly, glint_matte_class_name() says the others. *out malloc'd, the names in the same
-// block. *lost: pixels of coverage, of whatever class, that found no slot. GLINT_E_RANGE without a Cryptomatte output.
+// Every name of the scene with its coverage over the frame by what is in `classes`, bits 1 <<
+// class: 0 is what is seen directly, glint_matte_class_name() says the others. *out malloc'd, the
+// names in the same block. *lost: pixels of coverage, of whatever class, that found no slot.
+// GLINT_E_RANGE without a Cryptomatte output.
 glint_status glint_film_mattes(const struct glint_film_source *source, enum glint_matte_layer layer,
                                uint32_t classes, struct glint_matte_total **out, size_t *count,
                                double *lost, struct glint_error *err);

@@ -9,8 +9,8 @@
 void glint_film_add_planes(const struct glint_film_info *info, float *to_planes, uint32_t to,
                            const float *from_planes, uint32_t from);
 
-// Slots of one table into another; returns the units that found no slot of their own, now or before:
-// while there are none the sum is that of one run.
+// Slots of one table into another; returns the units that found no slot of their own, now or
+// before: while there are none the sum is that of one run.
 uint64_t glint_film_add_table(const struct glint_film_info *info, uint64_t *to,
                               const uint64_t *from);
 

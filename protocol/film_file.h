@@ -1,4 +1,5 @@
-// film_file.h - films in files: what checkpoints are, what GET .../film sends and what merge adds up.
+// film_file.h - films in files: what checkpoints are, what GET .../film sends and what merge adds
+// up.
 //
 // Little-endian words:
 //
@@ -20,9 +21,9 @@
 #define GLINT_FILM_VERSION 1u
 #define GLINT_FILM_MEDIA_TYPE "application/vnd.glint.film"
 
-// How tiles are packed: a bit for each 32-bit word, then the words that are not zero. Of 286 bytes a
-// pixel, with all outputs and 64 samples of an interior, 136 are left, at 0.9 ns a byte; zlib at its
-// level 1 leaves 80, at 7.5 ns.
+// How tiles are packed: a bit for each 32-bit word, then the words that are not zero. Of 286 bytes
+// a pixel, with all outputs and 64 samples of an interior, 136 are left, at 0.9 ns a byte; zlib at
+// its level 1 leaves 80, at 7.5 ns.
 #define GLINT_FILM_PACKING_WORDS 1u
 
 // Zero-initialise before use.

@@ -37,7 +37,8 @@ static glint_status differ(const char *member, const cJSON *a, const cJSON *b, c
     return st;
 }
 
-// Faults for the members of `a` that `b` has otherwise or not at all; with `missing` only the latter.
+// Faults for the members of `a` that `b` has otherwise or not at all; with `missing` only the
+// latter.
 static glint_status compare(const cJSON *a, const cJSON *b, bool parts, bool missing,
                             const char *who, struct glint_error *err)
 {

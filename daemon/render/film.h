@@ -7,9 +7,9 @@
 // more, and is cleared by the worker that first renders into them.
 //
 // A capture is the film at one moment: workers copy a tile before they write to it for the first
-// time since, and the reader copies the others. What a worker was writing at that moment is in it as
-// it is when the tile is given back: the moment might as well have been that one. The copies take at
-// most as much memory as the film.
+// time since, and the reader copies the others. What a worker was writing at that moment is in it
+// as it is when the tile is given back: the moment might as well have been that one. The copies
+// take at most as much memory as the film.
 //
 // Threads: hold/release/restart by whoever hands out slices; prepare by the worker that holds the
 // tiles; read and capture by any thread.
@@ -40,8 +40,8 @@ uint32_t glint_film_columns(const glint_film *film); // tiles in a row
 uint32_t glint_film_rows(const glint_film *film);
 void glint_film_tile(const glint_film *film, uint32_t tile, struct glint_film_tile *out);
 
-// Takes the tiles [column, column + w) x [row, row + h), clipped to the film; none may be held. Waits
-// for readers, who finish in microseconds.
+// Takes the tiles [column, column + w) x [row, row + h), clipped to the film; none may be held.
+// Waits for readers, who finish in microseconds.
 void glint_film_hold(glint_film *film, uint32_t column, uint32_t row, uint32_t w, uint32_t h);
 // Gives them back; with samples > 0 they now have that many.
 void glint_film_release(glint_film *film, uint32_t column, uint32_t row, uint32_t w, uint32_t h,

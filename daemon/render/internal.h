@@ -47,7 +47,7 @@ struct glint_view {
 
 struct glint_render {
     struct glint_devices *devices;
-    struct glint_job job; // a copy
+    struct glint_job job;          // a copy
     struct glint_archive *archive; // where its pixels are, if not in a film; there is no view then
     glint_film *film;
     glint_wave **wave;           // [workers], each made and used by its worker alone
@@ -85,7 +85,8 @@ glint_status glint_render_create_forced(glint_render **out, struct glint_devices
                                         const struct glint_job *job, uint64_t force,
                                         struct glint_error *err);
 
-// Fills the members that say which solids the camera is in; its origin and wave_job.geometry are set.
+// Fills the members that say which solids the camera is in; its origin and wave_job.geometry are
+// set.
 glint_status glint_render_inside(const struct glint_view *v, struct gk_frame *f,
                                  struct glint_error *err);
 

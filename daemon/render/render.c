@@ -164,7 +164,8 @@ static double add_seconds(double sum[GLINT_PASSES], const struct glint_wave_stat
     return all;
 }
 
-// captures: those begun when the slice's pixels were about to change. What has begun since has them.
+// captures: those begun when the slice's pixels were about to change. What has begun since has
+// them.
 static void add_stats(struct glint_render *r, const struct glint_wave_stats *now,
                       const struct glint_wave_stats *before, uint32_t captures)
 {

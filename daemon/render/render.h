@@ -123,8 +123,8 @@ glint_status glint_render_matte(glint_render *render, enum glint_matte_layer lay
                                 struct glint_frame **out, struct glint_error *err);
 
 // The film as it stands at one moment, with all that frames and mattes of it need, in the format of
-// protocol/film.h: written to `fd` from its offset on. Workers go on meanwhile; calls for one render
-// follow one another. By any thread but the scheduler and workers.
+// protocol/film_file.h: written to `fd` from its offset on. Workers go on meanwhile; calls for one
+// render follow one another. By any thread but the scheduler and workers.
 //   GLINT_E_IO  the file cannot be written; what was written is torn and is known as such when read
 glint_status glint_render_film(glint_render *render, int fd, struct glint_error *err);
 
@@ -137,14 +137,15 @@ glint_status glint_render_restore(glint_render *render, int fd, struct glint_err
 
 // A render that has ended, without its scene or a device: what any thread may ask answers as it did
 // when the film was written; it gives no slices, moves nowhere and is not extended. Reads `fd` from
-// its offset on and keeps a descriptor of its own, through which pixels are read when they are asked
-// for: the file must not be written to any more, but may be unlinked. Errors as above, and
+// its offset on and keeps a descriptor of its own, through which pixels are read when they are
+// asked for: the file must not be written to any more, but may be unlinked. Errors as above, and
 //   GLINT_E_IO  the file cannot be read; of later calls too
 glint_status glint_render_open(glint_render **out, int fd, struct glint_error *err);
 
-// Another end for a job, whether it has come to its old one or not: `samples` as in its `stop`, with
-// the same meaning; error 0: none. False where the film has, or slices out bring it, more samples
-// than that, and where a sample range or an opened film cannot go on. By the scheduler only.
+// Another end for a job, whether it has come to its old one or not: `samples` as in its `stop`,
+// with the same meaning; error 0: none. False where the film has, or slices out bring it, more
+// samples than that, and where a sample range or an opened film cannot go on. By the scheduler
+// only.
 bool glint_render_extend(glint_render *render, uint32_t samples, double error);
 
 // What GET .../plan shows: effects with reason, state, bytes and measured share; a new object.

@@ -1,5 +1,5 @@
-// A render that is written to a file goes on from there as if nothing had happened, and a file of one
-// that has ended answers for it.
+// A render that is written to a file goes on from there as if nothing had happened, and a file of
+// one that has ended answers for it.
 #include "tests/render/filmed.h"
 
 #include <stdlib.h>
