@@ -13,13 +13,13 @@ function turn(v, axis, angle) {
     return v.map((x, i) => x * c + w[i] * s + axis[i] * k);
 }
 
-export function multiply(a, b) {
+function multiply(a, b) {
     return Array.from({ length: 16 }, (_, i) =>
         [0, 1, 2, 3].reduce((sum, k) => sum + a[4 * k + (i & 3)] * b[(i & ~3) + k], 0));
 }
 
 // 16 numbers column by column, of either form of a transform.
-export function matrixOf(transform) {
+function matrixOf(transform) {
     if (Array.isArray(transform)) return transform;
     const { translation: t = [0, 0, 0], rotation: r = [0, 0, 0, 1], scale: s = [1, 1, 1] } = transform ?? {};
     const n = Math.hypot(...r) || 1, [x, y, z, w] = r.map((v) => v / n);
@@ -125,7 +125,6 @@ export class Camera {
             this.waiting = false;
             const camera = this.describe();
             this.sent++;
-            this.onsend?.(camera);
             await patchJson(jobPath(this.job), { camera }).catch(this.failed);
         }
         this.busy = false;

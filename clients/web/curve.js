@@ -26,7 +26,7 @@ function ticks({ low, high }) {
     return all;
 }
 
-const tick = (v) => (v >= 10 ? short(v) : String(Number(v.toPrecision(2))));
+const tick = (v) => (v >= 10 ? short(v).replace(".0", "") : String(Number(v.toPrecision(2))));
 
 function axes(x, y) {
     return [
@@ -45,12 +45,13 @@ function plot(points, { requested_error: wanted, predicted_samples: predicted })
     const x = scale(aim ? [...xs, aim.samples] : xs, LEFT, W - RIGHT);
     const y = scale(wanted ? [...ys, wanted] : ys, H - BOTTOM, TOP);
     const to = (p) => `${x.at(p.samples).toFixed(1)} ${y.at(p.error).toFixed(1)}`;
-    const ideal = { samples: x.high, error: last.error * Math.sqrt(last.samples / x.high) };
+    const far = Math.min(x.high, last.samples * (last.error / y.low) ** 2); // where it leaves the plot
+    const ideal = { samples: far, error: last.error * Math.sqrt(last.samples / far) };
     const summary = `Error ${number(last.error)} after ${count(last.samples)} samples` +
         (aim ? `; ${number(wanted)} predicted at ${count(predicted)} samples` : "");
     return h("svg.plot", { viewBox: `0 0 ${W} ${H}`, role: "img", "aria-label": summary },
         axes(x, y),
-        ideal.error > y.low ? h("path.ideal", { d: `M${to(last)}L${to(ideal)}`, fill: "none" }) : null,
+        h("path.ideal", { d: `M${to(last)}L${to(ideal)}`, fill: "none" }),
         wanted ? h("line.target", { x1: LEFT, x2: W - RIGHT, y1: y.at(wanted), y2: y.at(wanted) }) : null,
         h("path.curve", { d: `M${points.map(to).join("L")}` }),
         points.map((p) => h("circle.dot", { cx: x.at(p.samples), cy: y.at(p.error), r: 2.6 })),

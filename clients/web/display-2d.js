@@ -11,10 +11,6 @@ export class FlatDisplay {
         this.setSize(1, 1);
     }
 
-    static get name() {
-        return "2D canvas";
-    }
-
     setSize(width, height) {
         Object.assign(this.sheet, { width, height });
         this.page = this.sheet.getContext("2d");

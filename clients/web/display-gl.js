@@ -112,10 +112,6 @@ export class GlDisplay {
         }, { once: true });
     }
 
-    static get name() {
-        return "WebGL2";
-    }
-
     setSize(width, height) {
         const { gl } = this;
         gl.activeTexture(gl.TEXTURE0);

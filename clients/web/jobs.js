@@ -6,7 +6,7 @@ export const ended = (state) => ["done", "failed", "cancelled"].includes(state);
 
 export const jobTitle = (job) => job.name || job.scene;
 
-export function jobFacts(job) {
+function jobFacts(job) {
     const parts = [];
     if (job.job?.live) parts.push("live");
     parts.push(job.target_samples ? `${count(job.samples)} of ${count(job.target_samples)} samples`

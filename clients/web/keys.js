@@ -2,7 +2,7 @@
 import { h, id } from "./dom.js";
 
 // [key, what it is called, what it does, action]; `viewer` is main.js's.
-export const KEYS = [
+const KEYS = [
     ["U", "Upload a scene", (v) => v.click("upload")],
     ["N", "New job", (v) => v.newJob()],
     ["L", "Live job of the chosen scene", (v) => v.live()],

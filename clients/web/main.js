@@ -57,7 +57,7 @@ class Viewer {
             this.form = new JobForm(this.capabilities, { submitted: (job) => this.#submitted(job) });
         } catch (error) {
             showProblem("The daemon cannot be asked", error);
-            setTimeout(() => this.start(), 3000);
+            if (error.status !== 401) setTimeout(() => this.start(), 3000);
             return;
         }
         await this.refresh();

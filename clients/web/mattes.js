@@ -2,7 +2,7 @@
 import { getBytes, getJson, jobPath } from "./api.js";
 import { bar, h, id, put, Rows, say } from "./dom.js";
 import { readExr } from "./exr.js";
-import { count, percent } from "./format.js";
+import { percent } from "./format.js";
 import { fromHalf } from "./half.js";
 import { readFrame } from "./outputs.js";
 import { SHOW } from "./picture.js";
@@ -43,7 +43,7 @@ export class Mattes {
     close() {
         this.job = null;
         this.names = [];
-        this.total = 0;
+        this.picked = null;
         this.chosen.clear();
         this.old = null;
         this.serial++;
@@ -81,7 +81,9 @@ export class Mattes {
         const [w, d] = this.job?.job.resolution ?? [1, 1];
         this.pixels = w * d;
         const named = new Map(this.names.map((n) => [n.name, n])); // equal names are one matte
-        this.rows.show([...named.values()].filter((n) => n.name.toLowerCase().includes(wanted)));
+        const picked = named.get(this.picked); // first, so that it is seen
+        const order = picked ? [picked, ...[...named.values()].filter((n) => n !== picked)] : [...named.values()];
+        this.rows.show(order.filter((n) => n.name.toLowerCase().includes(wanted)));
     }
 
     #row({ name }) {
@@ -142,6 +144,7 @@ export class Mattes {
         try {
             const { primary } = await getJson(jobPath(this.job.id, `/pick?x=${x}&y=${y}`));
             const found = primary[this.layer]?.[0];
+            this.picked = found?.name;
             if (found) this.choose(found.name, several);
             else if (!several) this.clear();
             const words = LAYERS.filter((l) => primary[l]?.length)
@@ -220,9 +223,5 @@ export class Mattes {
                 : makeTransform(meanOfPicture(mask, picture.values), colour, true);
         }
         this.redraw();
-    }
-
-    get covered() {
-        return count(this.names.filter((n) => this.chosen.has(n.name)).reduce((sum, n) => sum + n.coverage, 0));
     }
 }

@@ -31,7 +31,3 @@ export function showProblem(what, error, place) {
     all.append(box);
     while (all.children.length > 4) all.firstChild.remove();
 }
-
-export function clearProblem(place) {
-    place.replaceChildren();
-}

@@ -9,7 +9,7 @@ const AGAIN = 1000; // milliseconds between frames of an output that has no stre
 const DEPTH_AFTER = 400; // of rest, before the depth under the middle is asked for
 
 export class Session {
-    // on: {job(job), pixels(), link(text, lost), gone(id), value}.
+    // on: {job(job), pixels(), link(text, lost), gone(id)}. stats(tiles): for measurements.
     constructor(picture, viewport, on) {
         Object.assign(this, { picture, viewport, on, job: null, output: "beauty", camera: null, stats: null });
     }
@@ -81,7 +81,7 @@ export class Session {
     }
 
     #stream() {
-        const since = this.lastSeq ?? 0, id = this.job.id;
+        const { id } = this.job;
         this.worker?.terminate();
         const worker = (this.worker = new Worker("/viewer/tiles-worker.js", { type: "module" }));
         worker.onmessage = ({ data }) => {
@@ -93,7 +93,7 @@ export class Session {
             if (data.failed && this.job?.id === id) this.on.link(data.failed, true);
             if (data.connected) this.on.link("", false);
         };
-        worker.postMessage({ path: jobPath(id, "/tiles"), headers: headers({}), since });
+        worker.postMessage({ path: jobPath(id, "/tiles"), headers: headers({}) });
     }
 
     #draw(tiles) {
@@ -147,7 +147,6 @@ export class Session {
             const camera = findCamera(scene, wanted);
             if (this.job?.id !== job.id || !camera) return;
             this.camera = new Camera(job.id, camera, (error) => showProblem("The camera was not moved", error));
-            this.camera.onsend = (sent) => this.moved?.(sent);
             this.on.job(this.job);
         } catch (error) {
             showProblem("The camera of the scene cannot be read", error);

@@ -2,7 +2,7 @@
 // display-gl.js computes the same.
 import { fromHalf } from "./half.js";
 
-export const TONES = { clip: (v) => Math.min(v, 1), reinhard: (v) => 1 - 1 / (1 + v) };
+const TONES = { clip: (v) => Math.min(v, 1), reinhard: (v) => 1 - 1 / (1 + v) };
 
 const encode = (v) => (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055);
 

@@ -13,7 +13,7 @@ const ALONE = new Set(["glb", "ply", "stl", "json"]); // need no other files
 const extension = (path) => /\.([^./]+)$/.exec(path)?.[1].toLowerCase() ?? "";
 const folder = (path) => path.slice(0, path.lastIndexOf("/") + 1);
 
-export function sceneName(path) {
+function sceneName(path) {
     const base = path.slice(path.lastIndexOf("/") + 1).replace(/(.)\.[^.]*$/, "$1").slice(0, 128);
     const name = base.replace(/[^A-Za-z0-9._-]/g, "-");
     return /^\.*$/.test(name) ? "scene" : name;
@@ -21,7 +21,7 @@ export function sceneName(path) {
 
 // [{path, file}] as the uploads that they mean: {name, main, files}. A glTF or OBJ takes along what
 // is no scene by itself, of its own folder and below where several are dropped.
-export function groupFiles(files) {
+function groupFiles(files) {
     const mains = files.filter(({ path }) => extension(path) in TYPES);
     const rest = files.filter((f) => !mains.includes(f));
     const needy = mains.filter(({ path }) => !ALONE.has(extension(path)));
@@ -56,7 +56,7 @@ async function readEntry(entry, prefix, out) {
 }
 
 // Files of a drop, folders with all that is in them.
-export async function droppedFiles(transfer) {
+async function droppedFiles(transfer) {
     const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
     if (!entries.length) return [...transfer.files].map((file) => ({ path: file.name, file }));
     const out = [];

@@ -15,7 +15,6 @@ export class Viewport {
         this.x = this.y = 0; // of the picture's corner, screen pixels
         this.cursor = null; // {x, y} of the keyboard's pixel
         this.drag = null;
-        this.drawn = 0; // pictures
         picture.changed = () => this.redraw();
         new ResizeObserver(() => this.resize()).observe(element);
         this.#listen();
@@ -68,7 +67,6 @@ export class Viewport {
             smooth: scale < 1 }, BACKDROP);
         this.element.dataset.place = `${this.x} ${this.y} ${scale}`;
         this.#placeCross();
-        this.drawn++;
     }
 
     #placeCross() {

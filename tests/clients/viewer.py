@@ -1,6 +1,7 @@
 """The viewer in headless Chromium against a real daemon."""
 import json
 import os
+import subprocess
 import tempfile
 
 import numpy as np
@@ -10,7 +11,7 @@ from browser import Browser, decode, Keys
 
 import sys
 sys.path.insert(0, tap.source("tests", "http"))
-from daemon import Daemon, ROOM, triangle_glb  # noqa: E402
+from daemon import Daemon, GLINTD, ROOM, triangle_glb  # noqa: E402
 
 SIZE = [160, 120]
 ALL = ["beauty", "crypto_object", "crypto_material", "crypto_asset", "depth", "albedo"]
@@ -263,7 +264,7 @@ def test_a_job_is_submitted_extended_and_looked_at_by_keys_alone():
         page.run("document.querySelector('[aria-label=\"Samples per pixel\"]').focus()")
         page.press(Keys.ENTER)
         page.until(lambda: page.text("#job-line").startswith("done · 8 samples"), 120)
-        page.press("g", "p", Keys.ARROW_RIGHT, Keys.ARROW_DOWN, Keys.ENTER)
+        page.press(Keys.TAB, "g", "p", Keys.ARROW_RIGHT, Keys.ARROW_DOWN, Keys.ENTER)
         page.until(lambda: chosen(page) == ["wall"])
         page.press("?")
         page.until(lambda: page.all("#keys-dialog[open]"))
@@ -332,6 +333,23 @@ for (const e of document.querySelectorAll("body *")) {
 }
 return poor;
 """
+
+
+# Who asks
+
+def test_a_token_is_asked_for_and_kept_as_long_as_the_tab():
+    made = subprocess.run([GLINTD, "--new-token", "ann:submit"], capture_output=True, text=True, check=True)
+    with tempfile.NamedTemporaryFile("w") as file:
+        file.write(made.stdout)
+        file.flush()
+        with Daemon("--token-file", file.name) as daemon, Browser(daemon) as page:
+            for secret in ("wrong", made.stderr.strip()):
+                page.until(lambda: page.focused() == "ask-input")
+                page.press(secret, Keys.ENTER)
+            page.until(lambda: page.text("#machine"))
+            page.run("location.reload()")
+            page.until(lambda: page.text("#machine"))
+            assert not page.all("dialog[open]") and made.stderr.strip() not in page.driver.current_url
 
 
 # What is served
