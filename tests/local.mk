@@ -72,6 +72,7 @@ UNIT_TESTS = \
 	tests/unit/test_metrics \
 	tests/unit/test_multipart \
 	tests/unit/test_nearest \
+	tests/unit/test_need \
 	tests/unit/test_obj \
 	tests/unit/test_order \
 	tests/unit/test_ply \
@@ -180,6 +181,7 @@ tests_unit_test_import_gltf_time_SOURCES = tests/unit/test_import_gltf_time.c \
 tests_unit_test_checkpoint_SOURCES = tests/unit/test_checkpoint.c $(jobs_fixture)
 tests_unit_test_jobs_SOURCES = tests/unit/test_jobs.c $(jobs_fixture)
 tests_unit_test_live_SOURCES = tests/unit/test_live.c $(jobs_fixture)
+tests_unit_test_need_SOURCES = tests/unit/test_need.c $(jobs_fixture)
 pose_scene = tests/unit/pose_scene.c tests/unit/pose_scene.h
 tests_unit_test_pose_SOURCES = tests/unit/test_pose.c $(pose_scene)
 tests_unit_test_pose_deform_SOURCES = tests/unit/test_pose_deform.c $(pose_scene)
@@ -277,6 +279,7 @@ AM_TESTS_ENVIRONMENT = \
 	CMOCKA_MESSAGE_OUTPUT=TAP; export CMOCKA_MESSAGE_OUTPUT; \
 	GLINTD='$(abs_top_builddir)/glintd'; export GLINTD; \
 	GLINT_KERNELS='$(abs_top_builddir)/glint-kernels'; export GLINT_KERNELS; \
+	GLINT_FORESEE=no; export GLINT_FORESEE; \
 	XDG_CACHE_HOME='$(abs_top_builddir)/tests/cache'; export XDG_CACHE_HOME; \
 	GLINT='$(abs_top_builddir)/glint'; export GLINT; \
 	: "$${GLINT_SCENES:=$(abs_top_srcdir)/../shared/scenes}"; export GLINT_SCENES; \
