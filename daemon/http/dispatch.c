@@ -192,7 +192,7 @@ void glint_dispatch_completed(void *user, struct MHD_Connection *connection, voi
     *context = NULL;
     if (!r)
         return;
-    glint_record_request(r, code == MHD_REQUEST_TERMINATED_COMPLETED_OK);
+    glint_record_request(r, code == MHD_REQUEST_TERMINATED_COMPLETED_OK || r->whole);
     glint_watch_deadline(h->watch, r->client, glint_http_limits(h).idle_seconds);
     glint_request_destroy(&r);
     pthread_mutex_lock(&h->mutex);

@@ -75,6 +75,7 @@ struct glint_request {
     bool close;                   // the connection, after the answer
     uint64_t sent;                // bytes of the answer's body
     bool streams;                 // the answer goes on while its job changes
+    bool whole;                   // and has been sent to its end
     char job[GLINT_JOB_ID_BYTES]; // that the request has made, "": none
 
     bool park;        // until the job argument[0] has ended

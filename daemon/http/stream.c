@@ -57,7 +57,7 @@ static size_t take_bytes(struct glint_stream *s, char *buffer, size_t size)
     const size_t left = s->part->size - s->sent, n = left < size ? left : size;
     memcpy(buffer, s->part->bytes + s->sent, n);
     s->sent += n;
-    *s->bytes += n;
+    s->request->sent += n;
     if (n == left) {
         glint_blob_release(&s->part);
         s->sent = 0;
@@ -122,13 +122,14 @@ static enum outcome send_chunk(struct glint_stream *s)
         left += piece[i].iov_len;
     const ssize_t n = sendmsg(s->fd, &message, MSG_DONTWAIT | MSG_NOSIGNAL);
     if (n < 0)
-        return errno == EAGAIN || errno == EINTR ? BLOCKED : OVER;
+        return errno == EAGAIN ? BLOCKED : OVER;
     s->sent += (size_t)n;
-    *s->bytes += (size_t)n;
+    s->request->sent += (size_t)n;
     if ((size_t)n < left)
         return BLOCKED;
     *s->head = 0;
     glint_blob_release(&s->part);
+    s->request->whole = s->closing;
     return MORE;
 }
 
@@ -330,7 +331,7 @@ void glint_stream_start(struct glint_request *r, struct glint_stream *stream, co
         return;
     }
     r->streams = true;
-    stream->bytes = &r->sent;
+    stream->request = r;
     glint_answer_header(r, "Content-Type", "%s", type);
     glint_answer_header(r, "Cache-Control", "no-store");
 }

@@ -33,7 +33,7 @@ struct glint_stream {
     glint_http *http;
     struct MHD_Connection *connection;
     uint64_t client;
-    uint64_t *bytes; // of the request: what was sent
+    struct glint_request *request; // which outlives it
     enum glint_stream_kind kind;
     const glint_stream_news *news;        // of its source, which outlives it
     struct glint_stream *next, *previous; // guarded by http->lists, least lately served first
