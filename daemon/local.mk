@@ -306,6 +306,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/resident.h \
 	daemon/scene/revision.c \
 	daemon/scene/revision.h \
+	daemon/scene/revision_describe.c \
+	daemon/scene/revision_parts.h \
 	daemon/scene/rows.c \
 	daemon/scene/shape.c \
 	daemon/scene/shape.h \
@@ -314,6 +316,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/stl.c \
 	daemon/scene/store.c \
 	daemon/scene/store.h \
+	daemon/scene/store_parts.h \
+	daemon/scene/store_recall.c \
 	daemon/scene/tangents.c \
 	daemon/scene/textures.c \
 	daemon/scene/words.c \

@@ -1,46 +1,14 @@
-#include "scene/store.h"
+#include "scene/store_parts.h"
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "base/thread.h"
-#include "scene/keep.h"
-#include "scene/revision.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define MAX_NAME_BYTES 128
-#define MAX_SCENES 4096
-#define EDITORS 16u // scenes that can be patched at once
 
-struct named {
-    char *name;
-    glint_revision *current; // retained
-};
-
-struct glint_store {
-    glint_devices *devices;
-    glint_importer *importer;
-    glint_keep *keep; // NULL: nothing is kept
-    struct glint_import_limits limits;
-    glint_assets *assets;
-    _Atomic uint64_t resident_bytes, imports, import_failures;
-    pthread_t loader;
-    bool loading;         // the thread was started
-    atomic_bool stop;     // the thread is to end
-    char (*recalled)[65]; // [recalls] revisions that jobs need
-    size_t recalls;
-    void (*published)(void *user, const char *name);
-    void *user;
-    pthread_mutex_t editing[EDITORS]; // by a hash of the name: taken before `mutex`
-    pthread_mutex_t mutex;            // guards what follows
-    struct named scene[MAX_SCENES];   // by name
-    size_t scenes;
-};
-
-// Index of the name, or where it would stand (*found false). With the mutex.
-static size_t find(const glint_store *s, const char *name, bool *found)
+size_t glint_store_find(const glint_store *s, const char *name, bool *found)
 {
     size_t low = 0, high = s->scenes;
     while (low < high) {
@@ -54,8 +22,7 @@ static size_t find(const glint_store *s, const char *name, bool *found)
     return low;
 }
 
-// *out: every current revision, retained, in a malloc'd array.
-static bool retain_all(glint_store *s, glint_revision ***out, size_t *count)
+bool glint_store_retain_all(glint_store *s, glint_revision ***out, size_t *count)
 {
     pthread_mutex_lock(&s->mutex);
     *count = s->scenes;
@@ -64,109 +31,6 @@ static bool retain_all(glint_store *s, glint_revision ***out, size_t *count)
         (*out)[i] = glint_revision_retain(s->scene[i].current);
     pthread_mutex_unlock(&s->mutex);
     return *out != NULL;
-}
-
-// ---- after a restart
-
-static bool recall_scene(void *user, const char *name, const char *revision, const char *warnings,
-                         const char *resource)
-{
-    glint_store *s = user;
-    if (s->scenes == MAX_SCENES)
-        return false;
-    struct named *scene = &s->scene[s->scenes];
-    struct glint_usage *usage = glint_usage_create();
-    scene->name = strdup(name);
-    if (!usage || !scene->name ||
-        glint_revision_recall(&scene->current, s->devices,
-                              &(struct glint_revision_memory){name, revision, warnings, resource,
-                                                              usage, &s->resident_bytes, s->keep},
-                              NULL)) {
-        free(scene->name);
-        return false;
-    }
-    s->scenes++;
-    return true;
-}
-
-// The names come in the order of the table.
-static glint_status recall_scenes(glint_store *s, glint_keeper *keeper, struct glint_error *err)
-{
-    const glint_status st = glint_keep_create(&s->keep, keeper, s->assets, err);
-    return st ? st : glint_keep_scenes(s->keep, recall_scene, s, err);
-}
-
-static void remember_recall(glint_store *s, const char *id)
-{
-    char(*more)[65] = realloc(s->recalled, (s->recalls + 1) * sizeof *more);
-    if (!more)
-        return;
-    s->recalled = more;
-    memcpy(more[s->recalls++], id, 65);
-}
-
-glint_status glint_store_recall(glint_store *s, const char *name, const char *id, bool needed,
-                                glint_revision **out, struct glint_error *err)
-{
-    struct glint_usage *usage = NULL;
-    bool found;
-    *out = NULL;
-    pthread_mutex_lock(&s->mutex);
-    const size_t at = find(s, name, &found);
-    glint_revision *current = found ? s->scene[at].current : NULL;
-    if (current && !strcmp(glint_revision_id(current), id))
-        *out = glint_revision_retain(current);
-    else if (current)
-        usage = glint_usage_retain(glint_revision_usage(current));
-    pthread_mutex_unlock(&s->mutex);
-    if (*out)
-        return GLINT_OK;
-    if (needed)
-        remember_recall(s, id);
-    if (!usage && !(usage = glint_usage_create()))
-        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a revision");
-    return glint_revision_recall(
-        out, s->devices,
-        &(struct glint_revision_memory){.name = name,
-                                        .id = id,
-                                        .usage = usage,
-                                        .resident_bytes = &s->resident_bytes,
-                                        .keep = s->keep},
-        err);
-}
-
-static void *bring_back(void *arg)
-{
-    glint_store *s = arg;
-    glint_revision **all;
-    size_t count;
-    const double start = glint_now();
-    glint_keep_adopt(s->keep);
-    for (size_t i = 0; i < s->recalls; i++)
-        glint_keep_pin(s->keep, s->recalled[i]);
-    if (!retain_all(s, &all, &count))
-        return NULL;
-    for (size_t i = 0; i < count; i++) {
-        if (!atomic_load(&s->stop) && glint_revision_load(all[i], NULL))
-            glint_keep_pin(s->keep, glint_revision_id(all[i]));
-        glint_revision_release(&all[i]);
-    }
-    free(all);
-    if (atomic_load(&s->stop))
-        return NULL;
-    glint_keep_collect(s->keep);
-    if (count)
-        glint_log(GLINT_LOG_INFO, "scene", NULL, NULL, "%zu scene%s back after %.3f s", count,
-                  count == 1 ? " is" : "s are", glint_now() - start);
-    return NULL;
-}
-
-glint_status glint_store_begin(glint_store *s, struct glint_error *err)
-{
-    const glint_status st =
-        s->keep ? glint_thread_start(&s->loader, "scenes", bring_back, s, err) : GLINT_OK;
-    s->loading = s->keep && !st;
-    return st;
 }
 
 glint_status glint_store_create(glint_store **out, glint_devices *devices, glint_importer *importer,
@@ -186,9 +50,9 @@ glint_status glint_store_create(glint_store **out, glint_devices *devices, glint
     (*out)->importer = importer;
     (*out)->limits = *limits;
     pthread_mutex_init(&(*out)->mutex, NULL);
-    for (unsigned i = 0; i < EDITORS; i++)
+    for (unsigned i = 0; i < GLINT_STORE_EDITORS; i++)
         pthread_mutex_init(&(*out)->editing[i], NULL);
-    const glint_status kept = keeper ? recall_scenes(*out, keeper, err) : GLINT_OK;
+    const glint_status kept = keeper ? glint_store_recall_scenes(*out, keeper, err) : GLINT_OK;
     if (kept)
         glint_store_destroy(out);
     return kept;
@@ -210,7 +74,7 @@ void glint_store_destroy(glint_store **store)
         free(s->scene[i].name);
     }
     pthread_mutex_destroy(&s->mutex);
-    for (unsigned i = 0; i < EDITORS; i++)
+    for (unsigned i = 0; i < GLINT_STORE_EDITORS; i++)
         pthread_mutex_destroy(&s->editing[i]);
     glint_keep_destroy(&s->keep);
     glint_assets_destroy(&s->assets);
@@ -254,7 +118,7 @@ static pthread_mutex_t *editor_of(glint_store *s, const char *name)
     unsigned hash = 5381;
     while (*name)
         hash = hash * 33 + (unsigned char)*name++;
-    return &s->editing[hash % EDITORS];
+    return &s->editing[hash % GLINT_STORE_EDITORS];
 }
 
 // With the mutex.
@@ -264,7 +128,7 @@ static glint_status check_match(const glint_store *s, const char *name, const ch
     if (!if_match)
         return GLINT_OK;
     bool found;
-    const size_t at = find(s, name, &found);
+    const size_t at = glint_store_find(s, name, &found);
     if (!found)
         return glint_fail(err, GLINT_E_STALE, "", "there is no scene \"%s\" to match", name);
     const char *current = glint_revision_id(s->scene[at].current);
@@ -288,10 +152,10 @@ static glint_status check_room(glint_store *s, const char *name, const char *if_
 {
     bool found;
     pthread_mutex_lock(&s->mutex);
-    find(s, name, &found);
+    glint_store_find(s, name, &found);
     glint_status st = check_match(s, name, if_match, err);
-    if (!st && !found && s->scenes == MAX_SCENES)
-        st = glint_fail(err, GLINT_E_CAPACITY, "", "%d scenes are named already", MAX_SCENES);
+    if (!st && !found && s->scenes == GLINT_MAX_SCENES)
+        st = glint_fail(err, GLINT_E_CAPACITY, "", "%d scenes are named already", GLINT_MAX_SCENES);
     pthread_mutex_unlock(&s->mutex);
     return st;
 }
@@ -316,7 +180,7 @@ static glint_revision *look_up(glint_store *s, const char *name, const char *id,
     *usage = NULL;
     pthread_mutex_lock(&s->mutex);
     bool found;
-    const size_t at = find(s, name, &found);
+    const size_t at = glint_store_find(s, name, &found);
     const glint_revision *current = found ? s->scene[at].current : NULL;
     if (found && glint_revision_loaded(current) && !strcmp(glint_revision_id(current), id) &&
         warns_alike(current, import))
@@ -330,13 +194,14 @@ static glint_revision *look_up(glint_store *s, const char *name, const char *id,
 // With the mutex. Makes room for a new name at `at`.
 static glint_status insert(glint_store *s, size_t at, const char *name, struct glint_error *err)
 {
-    if (s->scenes == MAX_SCENES)
-        return glint_fail(err, GLINT_E_CAPACITY, "", "%d scenes are named already", MAX_SCENES);
+    if (s->scenes == GLINT_MAX_SCENES)
+        return glint_fail(err, GLINT_E_CAPACITY, "", "%d scenes are named already",
+                          GLINT_MAX_SCENES);
     char *copy = strdup(name);
     if (!copy)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a scene name");
     memmove(s->scene + at + 1, s->scene + at, (s->scenes - at) * sizeof *s->scene);
-    s->scene[at] = (struct named){copy, NULL};
+    s->scene[at] = (struct glint_named){copy, NULL};
     s->scenes++;
     return GLINT_OK;
 }
@@ -389,7 +254,7 @@ static glint_status publish(glint_store *s, const char *name, const char *if_mat
     *replaced = NULL;
     pthread_mutex_lock(&s->mutex);
     bool found;
-    const size_t at = find(s, name, &found);
+    const size_t at = glint_store_find(s, name, &found);
     glint_status st = check_match(s, name, if_match, err);
     if (!st && !found)
         st = insert(s, at, name, err);
@@ -497,7 +362,7 @@ glint_status glint_store_get(glint_store *s, const char *name, glint_revision **
     *out = NULL;
     pthread_mutex_lock(&s->mutex);
     bool found;
-    const size_t at = find(s, name, &found);
+    const size_t at = glint_store_find(s, name, &found);
     if (found)
         *out = glint_revision_retain(s->scene[at].current);
     pthread_mutex_unlock(&s->mutex);
@@ -546,7 +411,7 @@ static glint_status exchange(glint_store *s, const char *name, const glint_revis
     glint_revision *replaced = NULL;
     bool found;
     pthread_mutex_lock(&s->mutex);
-    const size_t at = find(s, name, &found);
+    const size_t at = glint_store_find(s, name, &found);
     *lost = found && s->scene[at].current != from;
     if (found && !*lost) {
         replaced = s->scene[at].current;
@@ -613,7 +478,8 @@ glint_status glint_store_patch(glint_store *s, const char *name, const char *tex
 }
 
 // With the mutex.
-static glint_status check_unused(const struct named *scene, bool force, struct glint_error *err)
+static glint_status check_unused(const struct glint_named *scene, bool force,
+                                 struct glint_error *err)
 {
     const int jobs = atomic_load(&glint_revision_usage(scene->current)->jobs);
     if (force || jobs <= 0)
@@ -623,9 +489,9 @@ static glint_status check_unused(const struct named *scene, bool force, struct g
 }
 
 // With the mutex. Takes the name out of the table; what it held is the caller's.
-static struct named cut(glint_store *s, size_t at)
+static struct glint_named cut(glint_store *s, size_t at)
 {
-    const struct named gone = s->scene[at];
+    const struct glint_named gone = s->scene[at];
     s->scenes--;
     memmove(s->scene + at, s->scene + at + 1, (s->scenes - at) * sizeof *s->scene);
     return gone;
@@ -636,7 +502,7 @@ static glint_status check_delete(glint_store *s, const char *name, const char *i
 {
     pthread_mutex_lock(&s->mutex);
     bool found;
-    const size_t at = find(s, name, &found);
+    const size_t at = glint_store_find(s, name, &found);
     glint_status st =
         found ? check_match(s, name, if_match, err)
               : glint_fail(err, GLINT_E_NOT_FOUND, "", "there is no scene \"%.140s\"", name);
@@ -647,12 +513,12 @@ static glint_status check_delete(glint_store *s, const char *name, const char *i
 }
 
 // With the name's editor: it is still there.
-static struct named take_out(glint_store *s, const char *name)
+static struct glint_named take_out(glint_store *s, const char *name)
 {
     bool found;
     pthread_mutex_lock(&s->mutex);
-    const size_t at = find(s, name, &found);
-    const struct named gone = found ? cut(s, at) : (struct named){NULL, NULL};
+    const size_t at = glint_store_find(s, name, &found);
+    const struct glint_named gone = found ? cut(s, at) : (struct glint_named){NULL, NULL};
     pthread_mutex_unlock(&s->mutex);
     return gone;
 }
@@ -660,7 +526,7 @@ static struct named take_out(glint_store *s, const char *name)
 glint_status glint_store_delete(glint_store *s, const char *name, const char *if_match, bool force,
                                 struct glint_error *err)
 {
-    struct named gone = {NULL, NULL};
+    struct glint_named gone = {NULL, NULL};
     pthread_mutex_t *editor = editor_of(s, name);
     pthread_mutex_lock(editor);
     glint_status st = check_delete(s, name, if_match, force, err);
@@ -678,7 +544,7 @@ cJSON *glint_store_list(glint_store *s)
 {
     glint_revision **revision;
     size_t count;
-    if (!retain_all(s, &revision, &count))
+    if (!glint_store_retain_all(s, &revision, &count))
         return NULL;
     cJSON *list = cJSON_CreateObject();
     cJSON *scenes = cJSON_AddArrayToObject(list, "scenes");
