@@ -55,8 +55,18 @@ def read_tiles(stream):
     return newest, count, last
 
 
+def logged_streams(daemon, count):
+    """What the log says of so many streams that are over."""
+    end = time.monotonic() + PATIENCE
+    while True:
+        lines = [line for line in daemon.logged().splitlines() if "/tiles: 200, " in line]
+        if len(lines) == count:
+            return lines
+        assert time.monotonic() < end, lines
+
+
 def test_a_finished_job_streams_all_its_tiles_once():
-    with Daemon() as daemon:
+    with Daemon(environment={"GLINT_DEBUG": "http"}) as daemon:
         revision = daemon.put("room", ROOM).json()["revision"]
         job = submit(daemon, 4)
         daemon.frame(job)
@@ -71,6 +81,7 @@ def test_a_finished_job_streams_all_its_tiles_once():
                                      (0, 0, SIZE[0] - 1, SIZE[1] - 1))
         with daemon.connect(f"/v1/jobs/{job}/tiles?since={last}") as stream:
             assert not list(stream.parts()) and stream.ended
+        assert not [line for line in logged_streams(daemon, 2) if "connection lost" in line]
 
 
 def test_a_stream_from_the_start_ends_with_what_the_finished_job_has():
