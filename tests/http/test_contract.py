@@ -84,6 +84,16 @@ def test_every_operation_says_what_it_is_and_every_answer_that_it_may_get():
                 assert body["schema"]["$ref"] == PROBLEM, (where, status)
 
 
+def test_the_contract_has_every_call_and_no_other():
+    with Daemon() as daemon:
+        contract, page = contract_of(daemon), daemon.get("/calls").body.decode()
+    served = {tuple(call) for call in
+              re.findall(r"<td><code>([A-Z]+)</code><td><code>([^<]+)</code>", page)}
+    written = {(method.upper(), re.sub(r"\{\w+\}", "{}", path))
+               for path, method, _, _ in operations(contract)}
+    assert served == written, served ^ written
+
+
 def test_every_parameter_is_described_and_every_component_used():
     with Daemon() as daemon:
         text = daemon.get("/openapi.yaml").body.decode()
