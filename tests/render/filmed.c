@@ -85,7 +85,7 @@ uint8_t *filmed_exr(glint_render *render, uint32_t outputs, size_t *size)
 {
     struct glint_error err = {0};
     struct glint_frame *frame;
-    uint8_t *bytes;
+    uint8_t *bytes = NULL;
     const struct glint_exr_options options = {.compression = GLINT_EXR_ZIP, .zip_level = 1};
     if (glint_render_frame(render, outputs, &frame, NULL, &err) ||
         glint_exr_write(frame, &options, &bytes, size, NULL, &err))

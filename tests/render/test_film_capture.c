@@ -121,7 +121,7 @@ static glint_view *view_of(struct house *h, int camera)
     struct glint_job job = h->render->job;
     job.camera_name = camera ? (char *)"side" : NULL;
     struct glint_posed posed;
-    glint_view *view;
+    glint_view *view = NULL;
     if (glint_posed_for(&posed, offline_crew.devices, &scene, &job, &err) ||
         glint_render_move(&view, h->render, posed.resident, posed.pose, &job, &err))
         offline_die("view", &err);
