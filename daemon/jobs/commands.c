@@ -10,6 +10,7 @@
 
 #define GIB (1024.0 * 1024 * 1024)
 #define FIRST_SLICE 0.02 // seconds, the guess until a slice was measured
+#define LONG_SLICE 0.1   // seconds: who pauses does not wait for the end of it
 
 static void answer(glint_scheduler *s, struct glint_command *c)
 {
@@ -130,6 +131,8 @@ static void set_paused(glint_scheduler *s, struct glint_entry *e, bool paused)
     if (e->idle)
         glint_state_idle(s->table, e, true);
     glint_scheduler_recall(s);
+    if (e->render)
+        glint_render_interrupt(e->render, paused && e->out && e->slice_seconds > LONG_SLICE);
     if (!paused)
         glint_turn_join(s->live, s->lives, e);
 }

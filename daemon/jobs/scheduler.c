@@ -13,8 +13,9 @@
 
 #define COMMAND_ROOM 256 // in the inbox, beside one answer for each order that can be out
 #define FRESH_SLICES 8
+#define RETRY_SECONDS 1.0
 #define SHORT_SECONDS 0.006 // a slice that is not worth giving up: its tile counts as shown
-#define PIXEL_SECONDS 0.01 // between calls of `changed` for new pixels: slices may be shorter
+#define PIXEL_SECONDS 0.01  // between calls of `changed` for new pixels: slices may be shorter
 
 glint_status glint_scheduler_call(glint_scheduler *s, struct glint_command *c)
 {
@@ -312,6 +313,16 @@ static void let_go(void *user, glint_render **render)
     glint_crew_discard(s->crew, render);
 }
 
+static void retry_crowded(glint_scheduler *s)
+{
+    if (glint_now() < s->retry)
+        return;
+    s->retry = INFINITY;
+    for (size_t i = 0; i < s->lives; i++)
+        if (s->live[i]->crowded)
+            s->live[i]->blocked = s->live[i]->crowded = false;
+}
+
 static void prepare_next(glint_scheduler *s)
 {
     struct glint_entry *e =
@@ -321,8 +332,11 @@ static void prepare_next(glint_scheduler *s)
     struct glint_entry *gone = NULL;
     e->blocked = !glint_job_table_make_room(s->table, e->need.film + e->need.scene,
                                             memory_for_films(s), &gone, let_go, s);
-    if (e->blocked)
+    e->crowded = e->blocked;
+    if (e->blocked) {
+        s->retry = glint_now() + RETRY_SECONDS;
         return;
+    }
     s->preparing = e->preparing = true;
     glint_crew_prepare(s->crew, e, gone);
 }
@@ -425,7 +439,7 @@ static void tell(glint_scheduler *s)
 // When it must act though no message comes.
 static double wake_up(const glint_scheduler *s)
 {
-    const double deadline = next_deadline(s);
+    const double deadline = fmin(next_deadline(s), s->retry);
     return s->pixels ? fmin(deadline, s->told + PIXEL_SECONDS) : deadline;
 }
 
@@ -448,6 +462,7 @@ static void *run(void *arg)
                 handle(s, &message);
             while (glint_queue_poll(s->inbox, &message));
         end_late(s);
+        retry_crowded(s);
         if (!s->stopping) {
             prepare_next(s);
             move_next(s);
@@ -475,6 +490,7 @@ glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *device
     }
     s->table = table;
     s->store = store;
+    s->retry = INFINITY;
     glint_scheduler_limit(s, limits);
     s->load = load;
     pthread_mutex_init(&s->mutex, NULL);
@@ -514,6 +530,8 @@ void glint_scheduler_destroy(glint_scheduler **scheduler)
     for (struct glint_message m; s->inbox && glint_queue_poll(s->inbox, &m);)
         glint_crew_drop(&m); // what was being prepared: nobody renders any more
     glint_queue_destroy(&s->inbox);
+    for (size_t i = 0; i < s->lives; i++) // those that are kept
+        glint_turn_leave(&s->accounts, s->live[i]);
     pthread_cond_destroy(&s->answer);
     pthread_mutex_destroy(&s->mutex);
     free(s->load);

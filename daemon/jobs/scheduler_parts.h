@@ -28,10 +28,11 @@ struct glint_scheduler {
     struct glint_account *accounts; // of those
     struct glint_load *load;        // [workers]
     bool preparing;                 // the preparer has an order
-    bool moving;                    // the mover has one
-    bool news;   // a state or description is another: `changed` is called at once
-    bool pixels; // new pixels: `changed` is called PIXEL_SECONDS after it was the last time
-    double told; // glint_now() of that
+    double retry; // glint_now() at which who is crowded tries again, INFINITY: none
+    bool moving;  // the mover has one
+    bool news;    // a state or description is another: `changed` is called at once
+    bool pixels;  // new pixels: `changed` is called PIXEL_SECONDS after it was the last time
+    double told;  // glint_now() of that
     void (*changed)(void *user);
     void *user;
     bool stopping;

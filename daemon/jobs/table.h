@@ -58,6 +58,7 @@ struct glint_entry {
 
     // shared
     enum glint_job_state state;
+    double queued; // glint_now() since which it is queued once more, 0: since it was submitted
     glint_revision *revision; // retained; a live job's is exchanged
     struct glint_look *look;  // a live job's camera, NULL: as submitted
     char *trouble;            // why a live job stays where it is, NULL: it does not
@@ -77,6 +78,7 @@ struct glint_entry {
     bool listed;           // in the table
     bool preparing;        // at the preparer
     bool blocked;          // found no memory; waits for another job to end
+    bool crowded;          // or for a scene to go, of which nobody is told
     bool began;            // has had a slice
     bool dry;              // had no slice to give in this round of turns
     bool idle;             // live, and has reached its stop
@@ -100,8 +102,8 @@ struct glint_job_table {
     pthread_mutex_t mutex;
     struct glint_entry **entry; // [count] in order of submission, one reference each
     size_t count, capacity;
-    uint64_t submitted, slices;
-    double busy_seconds;
+    uint64_t submitted, slices, started;
+    double busy_seconds, wait_seconds; // of workers; of jobs until they were started
     struct glint_jobs_limits limits; // none is 0
     struct glint_use *worker;        // [workers]
     uint32_t workers;

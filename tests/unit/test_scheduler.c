@@ -113,126 +113,6 @@ static void a_failing_preparation_fails_its_job_alone(void **state)
     fixture_stop(&f);
 }
 
-static void a_film_that_does_not_fit_waits_for_others_to_end(void **state)
-{
-    (void)state;
-    struct fixture f;
-    fixture_start(&f, 1);
-    fake_close_gate();
-    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [5, 1],"
-                                       " 'stop': {'samples': 1}}");
-    fixture_wait(&f, a, GLINT_JOB_RENDERING);
-    fake_fail_create(2, GLINT_E_CAPACITY, 1);
-    const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [5, 1],"
-                                       " 'stop': {'samples': 1}}");
-    fake_wait_creates(2);
-    const char *c = fixture_submit(&f, "{'scene': 's', 'seed': 3, 'resolution': [5, 1],"
-                                       " 'priority': 1, 'stop': {'samples': 1}}");
-    fixture_wait(&f, c, GLINT_JOB_RENDERING);
-    assert_int_equal(fixture_state(&f, b), GLINT_JOB_QUEUED);
-    fake_open_gate();
-    fixture_wait(&f, b, GLINT_JOB_DONE);
-    assert_int_equal(fake_creates(), 4);
-    fixture_stop(&f);
-}
-
-static void assert_wait(struct fixture *f, const char *id, const char *expected)
-{
-    cJSON *job = glint_jobs_describe(f->jobs, id, NULL);
-    const char *wait = cJSON_GetStringValue(cJSON_GetObjectItem(job, "waits_for"));
-    assert_true(cJSON_HasObjectItem(job, "waits_for"));
-    assert_true(expected ? wait && !strcmp(wait, expected) : !wait);
-    cJSON_Delete(job);
-}
-
-static void a_job_waits_for_room_beside_those_that_render(void **state)
-{
-    (void)state;
-    struct fixture f;
-    fixture_start_within(&f, 1, 100);
-    fake_close_gate();
-    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [60, 1]}");
-    fixture_wait(&f, a, GLINT_JOB_RENDERING);
-    const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [60, 1],"
-                                       " 'stop': {'samples': 1}}");
-    const char *c = fixture_submit(&f, "{'scene': 's', 'seed': 3, 'resolution': [30, 1],"
-                                       " 'stop': {'samples': 1}}");
-    const char *urgent = fixture_submit(&f, "{'scene': 's', 'seed': 4, 'resolution': [40, 1],"
-                                            " 'priority': 1}");
-    fixture_wait(&f, urgent, GLINT_JOB_RENDERING); // beside a: 60 + 40
-    assert_int_equal(fixture_state(&f, b), GLINT_JOB_QUEUED);
-    assert_int_equal(fixture_state(&f, c), GLINT_JOB_QUEUED); // it does not pass b
-    assert_wait(&f, b, "memory");
-    assert_wait(&f, c, "turn");
-    assert_wait(&f, urgent, NULL);
-    struct glint_jobs_stats stats;
-    glint_jobs_stats(f.jobs, &stats);
-    assert_int_equal(stats.film_bytes, 100);
-    assert_int_equal(stats.by_wait[GLINT_WAIT_MEMORY], 1);
-    assert_int_equal(stats.by_wait[GLINT_WAIT_TURN], 1);
-    assert_int_equal(fake_creates(), 2);
-    fake_open_gate();
-    fixture_wait(&f, b, GLINT_JOB_DONE);
-    fixture_wait(&f, c, GLINT_JOB_DONE);
-    fixture_stop(&f);
-}
-
-static void the_oldest_ended_jobs_give_their_films_room(void **state)
-{
-    (void)state;
-    struct fixture f;
-    fixture_start_within(&f, 1, 100);
-    const char *id[3];
-    for (int i = 0; i < 3; i++) {
-        id[i] = fixture_submit(&f, "{'scene': 's', 'resolution': [40, 1], 'stop': {'samples': 1}}");
-        fixture_wait(&f, id[i], GLINT_JOB_DONE);
-    }
-    assert_null(glint_jobs_describe(f.jobs, id[0], NULL));
-    assert_int_equal(fixture_state(&f, id[1]), GLINT_JOB_DONE);
-    assert_int_equal(fake_renders(), 2);
-    fixture_stop(&f);
-}
-
-static void a_film_over_the_limit_is_refused_and_costs_nobody_anything(void **state)
-{
-    (void)state;
-    struct fixture f;
-    fixture_start_within(&f, 1, 100);
-    const char *a = fixture_submit(&f, "{'scene': 's', 'resolution': [100, 1],"
-                                       " 'stop': {'samples': 1}}");
-    fixture_wait(&f, a, GLINT_JOB_DONE);
-    char id[GLINT_JOB_ID_BYTES];
-    bool repeated;
-    struct glint_error err = {0};
-    assert_int_equal(
-        fixture_try(&f, "{'scene': 's', 'resolution': [101, 1]}", NULL, id, &repeated, &err),
-        GLINT_E_CAPACITY);
-    assert_string_equal(err.fault[0].pointer, "/resolution");
-    glint_error_finish(&err);
-    assert_int_equal(fixture_state(&f, a), GLINT_JOB_DONE);
-    fixture_stop(&f);
-}
-
-static void more_memory_lets_in_who_waits_for_it(void **state)
-{
-    (void)state;
-    struct fixture f;
-    fixture_start_within(&f, 1, 100);
-    fake_close_gate();
-    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [60, 1]}");
-    fixture_wait(&f, a, GLINT_JOB_RENDERING);
-    const char *b = fixture_submit(&f, "{'scene': 's', 'seed': 2, 'resolution': [60, 1]}");
-    struct glint_jobs_stats stats;
-    do
-        glint_jobs_stats(f.jobs, &stats);
-    while (!stats.by_wait[GLINT_WAIT_MEMORY]);
-    stats.limits.memory_bytes += 100;
-    glint_jobs_set_limits(f.jobs, &stats.limits);
-    fake_let(1);
-    fixture_wait(&f, b, GLINT_JOB_RENDERING);
-    fixture_stop(&f);
-}
-
 static void a_client_with_one_job_is_served_as_much_as_one_with_twenty(void **state)
 {
     (void)state;
@@ -317,22 +197,6 @@ static void workers_tell_whose_slice_they_run(void **state)
     fixture_stop(&f);
 }
 
-static void a_film_that_fits_nowhere_fails_with_capacity(void **state)
-{
-    (void)state;
-    struct fixture f;
-    fixture_start(&f, 1);
-    fake_fail_create(1, GLINT_E_CAPACITY, 1000);
-    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1}");
-    fixture_wait(&f, a, GLINT_JOB_FAILED);
-    cJSON *job = glint_jobs_describe(f.jobs, a, NULL);
-    assert_true(cJSON_GetObjectItem(cJSON_GetObjectItem(job, "problem"), "status")->valuedouble ==
-                507);
-    cJSON_Delete(job);
-    assert_int_equal(fake_creates(), 1);
-    fixture_stop(&f);
-}
-
 static void compiling_holds_up_neither_slices_nor_answers(void **state)
 {
     (void)state;
@@ -397,6 +261,37 @@ static void a_paused_job_gets_no_slice_and_its_clock_stands(void **state)
     assert_int_equal(fixture_patch(&f, a, "{'paused': null}"), GLINT_OK);
     fixture_wait(&f, a, GLINT_JOB_DONE);
     assert_int_equal(fake_begun_now(), 4 + 8);
+    fixture_stop(&f);
+}
+
+static void wait_until_idle(struct fixture *f)
+{
+    struct glint_worker_use use;
+    do
+        glint_jobs_workers(f->jobs, &use, 1);
+    while (*use.job);
+}
+
+static void a_pause_does_not_wait_for_a_long_slice(void **state)
+{
+    (void)state;
+    enum { LONG = 6 };
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_slice_seconds(1, 0.15);
+    fake_close_gate();
+    const char *a = fixture_submit(&f, "{'scene': 's', 'seed': 1, 'resolution': [9, 1],"
+                                       " 'stop': {'samples': 1}}");
+    fake_let(LONG);
+    fake_begun(LONG + 1, NULL); // it is known by now how long they take
+    assert_int_equal(fixture_patch(&f, a, "{'paused': true}"), GLINT_OK);
+    wait_until_idle(&f); // the gate is closed
+    assert_int_equal(fixture_state(&f, a), GLINT_JOB_PAUSED);
+    fake_slice_seconds(1, 0);
+    fake_open_gate();
+    assert_int_equal(fixture_patch(&f, a, "{'paused': false}"), GLINT_OK);
+    fixture_wait(&f, a, GLINT_JOB_DONE);
+    assert_int_equal(fake_begun_now(), 9 + 1); // what was given up is run again
     fixture_stop(&f);
 }
 
@@ -472,7 +367,7 @@ static void a_render_that_stalls_fails_instead_of_waiting_for_ever(void **state)
     fixture_stop(&f);
 }
 
-static void stopping_cancels_what_lives_after_the_slices_out(void **state)
+static void stopping_cancels_what_lives_and_gives_up_what_is_out(void **state)
 {
     (void)state;
     struct fixture f;
@@ -481,8 +376,12 @@ static void stopping_cancels_what_lives_after_the_slices_out(void **state)
     for (int i = 0; i < 3; i++)
         fixture_submit(&f, "{'scene': 's', 'seed': %d, 'resolution': [50, 1]}", i);
     fake_begun(2, NULL);
-    fixture_stop(&f); // opens the gate
-    assert_true(fake_begun_now() < 3 * 50);
+    glint_jobs_on_change(f.jobs, NULL, NULL);
+    glint_jobs_destroy(&f.jobs); // the gate is closed: what is out is given up
+    assert_int_equal(fake_begun_now(), 2);
+    assert_int_equal(fake_renders(), 0);
+    glint_store_destroy(&f.store);
+    assert_int_equal(fake_broken(), 0);
 }
 
 // Every slice is run exactly once (the stand-in checks) whatever clients do meanwhile.
@@ -546,23 +445,18 @@ int main(void)
         cmocka_unit_test(equal_jobs_have_had_equal_time_when_one_is_done),
         cmocka_unit_test(a_failing_slice_fails_its_job_alone),
         cmocka_unit_test(a_failing_preparation_fails_its_job_alone),
-        cmocka_unit_test(a_film_that_does_not_fit_waits_for_others_to_end),
-        cmocka_unit_test(a_job_waits_for_room_beside_those_that_render),
-        cmocka_unit_test(the_oldest_ended_jobs_give_their_films_room),
-        cmocka_unit_test(a_film_over_the_limit_is_refused_and_costs_nobody_anything),
-        cmocka_unit_test(more_memory_lets_in_who_waits_for_it),
         cmocka_unit_test(a_client_with_one_job_is_served_as_much_as_one_with_twenty),
         cmocka_unit_test(the_next_slice_of_every_worker_is_the_most_important),
         cmocka_unit_test(workers_tell_whose_slice_they_run),
-        cmocka_unit_test(a_film_that_fits_nowhere_fails_with_capacity),
         cmocka_unit_test(compiling_holds_up_neither_slices_nor_answers),
         cmocka_unit_test(a_cancelled_job_gives_up_what_runs_and_begins_no_more),
         cmocka_unit_test(a_paused_job_gets_no_slice_and_its_clock_stands),
+        cmocka_unit_test(a_pause_does_not_wait_for_a_long_slice),
         cmocka_unit_test(a_job_paused_in_the_queue_begins_when_it_is_let_go),
         cmocka_unit_test(a_job_stops_at_its_seconds_and_goes_on_when_given_more),
         cmocka_unit_test(seconds_are_counted_though_no_slice_comes_back),
         cmocka_unit_test(a_render_that_stalls_fails_instead_of_waiting_for_ever),
-        cmocka_unit_test(stopping_cancels_what_lives_after_the_slices_out),
+        cmocka_unit_test(stopping_cancels_what_lives_and_gives_up_what_is_out),
         cmocka_unit_test(no_slice_is_lost_or_run_twice_while_clients_interfere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
