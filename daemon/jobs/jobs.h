@@ -1,8 +1,9 @@
 // jobs.h - the job table and the scheduler that owns it.
 //
 // One scheduler thread makes every state change and decides who renders what next; one thread per
-// worker runs slices; one preparer compiles programs and allocates films. Jobs of equal priority
-// share the workers in turns of one slice; a higher priority is served first from the next slice.
+// worker runs slices; one preparer compiles programs and allocates films. A higher priority
+// is served first from the next slice; of equal priority clients share the workers alike, then the
+// jobs of each client, in turns of one slice. A job goes on where it stopped when it is given more.
 //
 // A live job is never done: when it has reached its stop it idles, and it starts again with the
 // newest revision of its scene, or seen by another camera, as soon as its slices out are back. Of
