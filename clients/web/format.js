@@ -17,7 +17,7 @@ export function bytes(n) {
     if (!n) return "0 B";
     const at = Math.min(Math.floor(Math.log2(Math.abs(n)) / 10), 4);
     const value = n / 1024 ** at;
-    return `${at ? value.toPrecision(3) : value} ${["B", "KiB", "MiB", "GiB", "TiB"][at]}`;
+    return `${at ? value.toPrecision(3) : value}\u00a0${["B", "KiB", "MiB", "GiB", "TiB"][at]}`;
 }
 
 export function seconds(s) {

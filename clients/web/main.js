@@ -1,7 +1,7 @@
 // The viewer: puts its parts together.
 import { getJson, jobPath, onTokenNeeded, request } from "./api.js";
 import { ask, id, put, rove, say } from "./dom.js";
-import { count, number, percent, seconds, signed } from "./format.js";
+import { count, number, percent, plural, seconds, signed } from "./format.js";
 import { JobForm, submitJob } from "./job-form.js";
 import { JobPanel } from "./job-panel.js";
 import { ended, Jobs, jobTitle } from "./jobs.js";
@@ -52,7 +52,7 @@ class Viewer {
         try {
             this.capabilities = await getJson("/v1");
             const device = this.capabilities.devices[0];
-            put(id("machine"), `${this.capabilities.version} · ${device.workers} workers · ${device.name}`);
+            put(id("machine"), `${this.capabilities.version} · ${plural(device.workers, "worker")} · ${device.name}`);
             id("tonemap").replaceChildren(...this.capabilities.tonemaps.map((t) => new Option(t, t)));
             this.form = new JobForm(this.capabilities, { submitted: (job) => this.#submitted(job) });
         } catch (error) {
