@@ -8,7 +8,8 @@ struct glint_mirror {
     glint_jobs *jobs;
     glint_store *store;
     glint_metric *by_state[GLINT_JOB_CANCELLED + 1], *by_wait[GLINT_WAITS];
-    glint_metric *submitted, *slices, *busy, *films, *ended_films, *most_film;
+    glint_metric *submitted, *waits, *wait_seconds, *slices, *busy, *films, *ended_films,
+        *most_film;
     glint_metric *scenes, *bytes, *imports, *failures;
     glint_metric *cpu, *started, *resident, *address, *threads, *files, *most_files;
 };
@@ -22,6 +23,8 @@ static void refresh_jobs(const struct glint_mirror *m)
     for (int w = GLINT_WAIT_NONE + 1; w < GLINT_WAITS; w++)
         glint_metric_set(m->by_wait[w], stats.by_wait[w]);
     glint_metric_set(m->submitted, (double)stats.submitted);
+    glint_metric_set(m->waits, (double)stats.started);
+    glint_metric_set(m->wait_seconds, stats.wait_seconds);
     glint_metric_set(m->slices, (double)stats.slices);
     glint_metric_set(m->busy, stats.worker_busy_seconds);
     glint_metric_set(m->films, (double)stats.film_bytes);
@@ -71,6 +74,10 @@ static void name_jobs(struct glint_mirror *m, glint_metrics *metrics)
                                             "Queued jobs by what they wait for.", &label, 1);
     }
     m->submitted = glint_metrics_counter(metrics, "jobs_submitted_total", "Jobs taken.", NULL, 0);
+    m->waits = glint_metrics_counter(metrics, "job_waits_total",
+                                     "Times that a queued job got its first slice.", NULL, 0);
+    m->wait_seconds = glint_metrics_counter(metrics, "job_wait_seconds_total",
+                                            "Time that they were queued before.", NULL, 0);
     m->slices = glint_metrics_counter(metrics, "slices_total", "Slices rendered.", NULL, 0);
     m->busy = glint_metrics_counter(metrics, "worker_busy_seconds_total",
                                     "Time that workers spent on slices.", NULL, 0);

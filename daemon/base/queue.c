@@ -143,3 +143,11 @@ void glint_queue_close(glint_queue *q)
     pthread_cond_broadcast(&q->emptied);
     pthread_mutex_unlock(&q->mutex);
 }
+
+size_t glint_queue_count(glint_queue *queue)
+{
+    pthread_mutex_lock(&queue->mutex);
+    const size_t count = queue->count;
+    pthread_mutex_unlock(&queue->mutex);
+    return count;
+}

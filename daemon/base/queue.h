@@ -25,6 +25,8 @@ bool glint_queue_pop(glint_queue *queue, void *message);         // waits; false
 // As pop, but false also once glint_now() has passed `deadline` (INFINITY: never).
 bool glint_queue_pop_until(glint_queue *queue, void *message, double deadline);
 
+size_t glint_queue_count(glint_queue *queue); // messages inside now
+
 void glint_queue_close(glint_queue *queue);
 
 #endif

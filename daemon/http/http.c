@@ -142,23 +142,25 @@ static bool is_loopback(int fd)
            ntohl(((struct sockaddr_in *)&any)->sin_addr.s_addr) >> 24 == 127;
 }
 
+static const struct {
+    const char *name, *thread;
+    unsigned threads, capacity;
+} lanes[GLINT_LANES] = {
+    [GLINT_LANE_CALL] = {"call", "http-call", 2, 256},
+    [GLINT_LANE_LOAD] = {"load", "http-load", 2, 16},
+    [GLINT_LANE_EDIT] = {"edit", "http-edit", 2, 64},
+    // A job that ends brings all who wait for it.
+    [GLINT_LANE_FRAME] = {"frame", "http-frame", 2, 4096},
+    [GLINT_LANE_STREAM] = {"stream", "http-stream", 2, GLINT_MAX_STREAMS}, // at most a task each
+};
+
 static glint_status start_lanes(glint_http *h, struct glint_error *err)
 {
-    static const struct {
-        enum glint_lane lane;
-        const char *name;
-        unsigned threads, capacity;
-    } table[] = {
-        {GLINT_LANE_CALL, "http-call", 2, 256},
-        {GLINT_LANE_LOAD, "http-load", 2, 16},
-        {GLINT_LANE_EDIT, "http-edit", 2, 64},
-        {GLINT_LANE_FRAME, "http-frame", 2, 4096}, // a job that ends brings all who wait for it
-        {GLINT_LANE_STREAM, "http-stream", 2, GLINT_MAX_STREAMS}, // each has at most one task
-    };
     glint_status st = GLINT_OK;
-    for (size_t i = 0; !st && i < sizeof table / sizeof *table; i++)
-        st = glint_offload_create(&h->lane[table[i].lane], table[i].name, table[i].threads,
-                                  table[i].capacity, err);
+    for (int i = 0; !st && i < GLINT_LANES; i++)
+        if (lanes[i].name)
+            st = glint_offload_create(&h->lane[i], lanes[i].thread, lanes[i].threads,
+                                      lanes[i].capacity, err);
     return st;
 }
 
@@ -170,6 +172,9 @@ static void refresh_metrics(void *user)
         h->streams[GLINT_STREAM_EVENTS].count + h->streams[GLINT_STREAM_TILES].count;
     pthread_mutex_unlock(&h->lists);
     glint_metric_set(h->open_streams, streams);
+    for (int i = 0; i < GLINT_LANES; i++)
+        if (h->lane[i])
+            glint_metric_set(h->waiting[i], (double)glint_offload_waiting(h->lane[i]));
     glint_metric_set(h->sent, (double)atomic_load_explicit(&h->tiles_sent, memory_order_relaxed));
     glint_metric_set(h->skipped,
                      (double)atomic_load_explicit(&h->tiles_skipped, memory_order_relaxed));
@@ -183,6 +188,12 @@ static void start_metrics(glint_http *h)
         glint_metrics_counter(m, "http_received_bytes_total", "Bytes of request bodies.", NULL, 0);
     h->open_connections = glint_metrics_gauge(m, "http_connections", "Open connections.", NULL, 0);
     h->open_streams = glint_metrics_gauge(m, "http_streams", "Open streams.", NULL, 0);
+    for (int i = 0; i < GLINT_LANES; i++) {
+        const struct glint_label label = {"lane", lanes[i].name};
+        if (lanes[i].name)
+            h->waiting[i] = glint_metrics_gauge(m, "http_waiting",
+                                                "Requests that wait for a thread.", &label, 1);
+    }
     h->sent =
         glint_metrics_counter(m, "http_tiles_sent_total", "Tiles that were streamed.", NULL, 0);
     h->skipped = glint_metrics_counter(

@@ -48,6 +48,11 @@ bool glint_offload_push(glint_offload *offload, struct glint_task *task)
     return glint_queue_offer(offload->queue, &task);
 }
 
+size_t glint_offload_waiting(glint_offload *offload)
+{
+    return glint_queue_count(offload->queue);
+}
+
 void glint_offload_destroy(glint_offload **offload)
 {
     struct glint_offload *o = *offload;

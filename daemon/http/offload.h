@@ -22,6 +22,8 @@ glint_status glint_offload_create(glint_offload **out, const char *name, unsigne
 // False, and nothing kept, when `capacity` tasks wait. Never blocks.
 bool glint_offload_push(glint_offload *offload, struct glint_task *task);
 
+size_t glint_offload_waiting(glint_offload *offload); // tasks that no thread has begun
+
 // Runs what waits, then ends the threads and stores NULL.
 void glint_offload_destroy(glint_offload **offload);
 

@@ -69,6 +69,7 @@ struct glint_http {
 
     glint_metrics *metrics;
     struct glint_record *record;
+    glint_metric *waiting[GLINT_LANES];
     glint_metric *received, *open_connections, *open_streams, *sent, *skipped;
 };
 

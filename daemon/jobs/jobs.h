@@ -63,6 +63,8 @@ void glint_jobs_set_limits(glint_jobs *jobs, const struct glint_jobs_limits *lim
 // Seconds between two films of a job that are written to the disk, 0: the default; and all at once.
 void glint_jobs_set_checkpoint(glint_jobs *jobs, double seconds);
 void glint_jobs_checkpoint(glint_jobs *jobs);
+// What films may take of the disk, 0: half of it. The oldest ended jobs are forgotten past that.
+void glint_jobs_set_film_disk(glint_jobs *jobs, uint64_t bytes);
 // Stops after the slices out now. Every job that has not ended is kept as it stands or, where
 // nothing is kept, becomes cancelled.
 void glint_jobs_destroy(glint_jobs **jobs);
@@ -149,6 +151,8 @@ struct glint_jobs_stats {
     uint32_t by_state[6];
     uint32_t by_wait[GLINT_WAITS]; // of those that are queued
     uint64_t submitted, slices;
+    uint64_t started;    // times that a queued job got its first slice
+    double wait_seconds; // that they were queued before, together
     double worker_busy_seconds;
     uint64_t film_bytes, ended_film_bytes; // of jobs that have not ended and that have, with waves
     struct glint_jobs_limits limits;       // none is 0

@@ -23,11 +23,24 @@ const char *glint_wait_name(enum glint_wait wait)
     return name[wait];
 }
 
+// With the mutex: how long it was queued counts once it is.
+static void count_wait(struct glint_job_table *table, struct glint_entry *entry,
+                       enum glint_job_state state, double now)
+{
+    if (state == GLINT_JOB_QUEUED)
+        entry->queued = now;
+    if (state != GLINT_JOB_RENDERING || entry->state != GLINT_JOB_QUEUED)
+        return;
+    table->started++;
+    table->wait_seconds += now - (entry->queued > 0 ? entry->queued : entry->submitted);
+}
+
 void glint_state_enter(struct glint_job_table *table, struct glint_entry *entry,
                        enum glint_job_state state)
 {
     const double now = glint_now();
     pthread_mutex_lock(&table->mutex);
+    count_wait(table, entry, state, now);
     entry->render_seconds = glint_entry_seconds(entry, now);
     entry->since = state == GLINT_JOB_RENDERING ? now : NAN;
     entry->state = state;

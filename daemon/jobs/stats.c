@@ -24,6 +24,8 @@ void glint_job_table_stats(struct glint_job_table *table, struct glint_jobs_stat
     count(table, out);
     out->submitted = table->submitted;
     out->slices = table->slices;
+    out->started = table->started;
+    out->wait_seconds = table->wait_seconds;
     out->worker_busy_seconds = table->busy_seconds;
     out->limits = table->limits;
     pthread_mutex_unlock(&table->mutex);

@@ -103,6 +103,8 @@ def test_figures_are_those_of_the_process_and_its_work():
         assert 0 < one("process_cpu_seconds_total") < 100 * PATIENCE
         assert one("process_threads") == len(os.listdir(f"/proc/{daemon.process.pid}/task"))
         assert one("workers") == 2 and one("scenes") == 1 and one("jobs_submitted_total") == 1
+        assert one("job_waits_total") == 1 and 0 < one("job_wait_seconds_total") < PATIENCE
+        assert samples["glint_http_waiting"]['lane="frame"'] == 0
         assert samples["glint_jobs"]['state="done"'] == 1
         assert one("http_tiles_sent_total") == parts
         assert one("slices_total") >= 4 and one("worker_busy_seconds_total") > 0
