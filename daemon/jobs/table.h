@@ -78,6 +78,7 @@ struct glint_entry {
     bool listed;           // in the table
     bool preparing;        // at the preparer
     bool blocked;          // found no memory; waits for another job to end
+    bool crowded;          // or for a scene to go, of which nobody is told
     bool began;            // has had a slice
     bool dry;              // had no slice to give in this round of turns
     bool idle;             // live, and has reached its stop
@@ -103,8 +104,8 @@ struct glint_job_table {
     size_t count, capacity;
     uint64_t submitted, slices, started;
     double busy_seconds, wait_seconds; // of workers; of jobs until they were started
-    struct glint_jobs_limits limits;   // none is 0
-    struct glint_use *worker;          // [workers]
+    struct glint_jobs_limits limits; // none is 0
+    struct glint_use *worker;        // [workers]
     uint32_t workers;
 };
 
