@@ -23,14 +23,15 @@ enum glint_command_kind {
     GLINT_COMMAND_LIMITS, // sets `limits`
     GLINT_COMMAND_PING,   // nothing: that it is answered is the answer
     GLINT_COMMAND_RECALL, // adds `entry`, which was known before a restart, with what it has done
-    GLINT_COMMAND_KEPT, // a film is on the disk: its memory may be let go
+    GLINT_COMMAND_KEPT,   // a film is on the disk: its memory may be let go
     GLINT_COMMAND_STOP, // destroy's alone: cancels what lives and is not kept, ends the thread once nothing
                         // is out
 };
 
 struct glint_command {
     enum glint_command_kind kind;
-    struct glint_entry *entry;    // SUBMIT, RECALL: takes the reference on success; DELETE, PATCH: borrowed
+    struct glint_entry
+        *entry; // SUBMIT, RECALL: takes the reference on success; DELETE, PATCH: borrowed
     struct glint_job_patch patch; // the camera before is in it afterwards
     const char *scene;            // SCENE
     void (*changed)(void *user);  // WATCH

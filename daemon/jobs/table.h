@@ -104,8 +104,8 @@ struct glint_job_table {
     size_t count, capacity;
     uint64_t submitted, slices, started;
     double busy_seconds, wait_seconds; // of workers; of jobs until they were started
-    struct glint_jobs_limits limits; // none is 0
-    struct glint_use *worker;        // [workers]
+    struct glint_jobs_limits limits;   // none is 0
+    struct glint_use *worker;          // [workers]
     uint32_t workers;
 };
 
