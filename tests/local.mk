@@ -278,7 +278,6 @@ SH_LOG_COMPILER = $(SHELL) $(top_srcdir)/tests/run-tap $(SHELL)
 AM_TESTS_ENVIRONMENT = \
 	CMOCKA_MESSAGE_OUTPUT=TAP; export CMOCKA_MESSAGE_OUTPUT; \
 	GLINTD='$(abs_top_builddir)/glintd'; export GLINTD; \
-	GLINT_KERNELS='$(abs_top_builddir)/glint-kernels'; export GLINT_KERNELS; \
 	GLINT_FORESEE=no; export GLINT_FORESEE; \
 	XDG_CACHE_HOME='$(abs_top_builddir)/tests/cache'; export XDG_CACHE_HOME; \
 	GLINT='$(abs_top_builddir)/glint'; export GLINT; \

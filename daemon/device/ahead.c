@@ -253,7 +253,7 @@ static glint_status conclude(glint_ahead *c, const struct making *m, struct glin
 static glint_status make(glint_ahead *c, struct making *m, struct glint_error *err)
 {
     if (!start(c, m)) {
-        glint_log(GLINT_LOG_WARNING, "cl", NULL, NULL, "%s cannot be started", c->helper);
+        glint_log(GLINT_LOG_DEBUG, "cl", NULL, NULL, "%s is not started", c->helper);
         return GLINT_OK;
     }
     finish(c, m);
