@@ -99,7 +99,7 @@ web_sources = \
 	clients/web/tone.js \
 	clients/web/upload.js \
 	clients/web/viewport.js
-EXTRA_DIST += $(web_sources)
+EXTRA_DIST += $(web_sources) docs/viewer/convergence.jpg docs/viewer/mattes.jpg docs/viewer/plan.jpg
 
 clients/web/embedded.c: $(web_sources) build-aux/embed.awk
 	$(AM_V_GEN)$(MKDIR_P) clients/web

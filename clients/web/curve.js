@@ -1,7 +1,7 @@
 // The convergence plot: error over samples, both logarithmic, with where it is to end.
 import { getJson, jobPath } from "./api.js";
 import { h } from "./dom.js";
-import { count, number, seconds, short } from "./format.js";
+import { count, seconds, short } from "./format.js";
 import { describeProblem } from "./problems.js";
 
 const W = 310, H = 230, LEFT = 44, RIGHT = 10, TOP = 12, BOTTOM = 30;
@@ -26,6 +26,8 @@ function ticks({ low, high }) {
     return all;
 }
 
+const figure = (v) => String(Number(v.toPrecision(3)));
+
 const tick = (v) => (v >= 10 ? short(v).replace(".0", "") : String(Number(v.toPrecision(2))));
 
 function axes(x, y) {
@@ -47,8 +49,8 @@ function plot(points, { requested_error: wanted, predicted_samples: predicted })
     const to = (p) => `${x.at(p.samples).toFixed(1)} ${y.at(p.error).toFixed(1)}`;
     const far = Math.min(x.high, last.samples * (last.error / y.low) ** 2); // where it leaves the plot
     const ideal = { samples: far, error: last.error * Math.sqrt(last.samples / far) };
-    const summary = `Error ${number(last.error)} after ${count(last.samples)} samples` +
-        (aim ? `; ${number(wanted)} predicted at ${count(predicted)} samples` : "");
+    const summary = `Error ${figure(last.error)} after ${count(last.samples)} samples` +
+        (aim ? `; ${figure(wanted)} predicted at ${count(predicted)} samples` : "");
     return h("svg.plot", { viewBox: `0 0 ${W} ${H}`, role: "img", "aria-label": summary },
         axes(x, y),
         h("path.ideal", { d: `M${to(last)}L${to(ideal)}`, fill: "none" }),
@@ -62,7 +64,7 @@ function table(curve) {
     return h("table", {}, h("thead", {}, h("tr", {}, ["samples", "error", "time", "rays"].map((t) =>
         h("th", { scope: "col" }, t)))),
     h("tbody", {}, curve.map((p) => h("tr", {}, h("td", {}, count(p.samples)),
-        h("td", {}, p.error === null ? "–" : number(p.error)), h("td", {}, seconds(p.seconds)),
+        h("td", {}, p.error === null ? "–" : figure(p.error)), h("td", {}, seconds(p.seconds)),
         h("td", {}, short(p.rays ?? 0))))));
 }
 
@@ -70,8 +72,8 @@ function draw(data) {
     const now = { samples: data.samples, error: data.error };
     const points = data.curve.filter((p) => p.error > 0 && p.samples > 0);
     if (now.error > 0 && now.samples > (points.at(-1)?.samples ?? 0)) points.push(now);
-    const words = [data.error > 0 ? `Error ${number(data.error)} after ${count(data.samples)} samples.` : null,
-        data.requested_error ? `Wanted: ${number(data.requested_error)}.` : null,
+    const words = [data.error > 0 ? `Error ${figure(data.error)} after ${count(data.samples)} samples.` : null,
+        data.requested_error ? `Wanted: ${figure(data.requested_error)}.` : null,
         data.requested_error && data.predicted_samples ? `Predicted at ${count(data.predicted_samples)} samples.` : null];
     return [
         points.length > 1 ? plot(points, data) : h("p.hint", {}, "There is a curve from four samples on."),

@@ -344,7 +344,8 @@ def test_a_token_is_asked_for_and_kept_as_long_as_the_tab():
         file.flush()
         with Daemon("--token-file", file.name) as daemon, Browser(daemon) as page:
             for secret in ("wrong", made.stderr.strip()):
-                page.until(lambda: page.focused() == "ask-input")
+                page.until(lambda: page.focused() == "ask-input" and
+                           not page.run("return document.activeElement.value"))
                 page.press(secret, Keys.ENTER)
             page.until(lambda: page.text("#machine"))
             page.run("location.reload()")
