@@ -206,6 +206,12 @@ def resident(daemon):
         return int(re.search(r"^RssAnon:\s+(\d+)", status.read(), re.M)[1]) / 1024
 
 
+def instrumented(daemon):
+    """A sanitizer keeps memory of its own, more than what is measured here."""
+    with open(f"/proc/{daemon.process.pid}/maps", encoding="utf-8") as maps:
+        return re.search(r"lib[at]san\.so", maps.read())
+
+
 def descriptors(daemon):
     return len(os.listdir(f"/proc/{daemon.process.pid}/fd"))
 
@@ -228,7 +234,8 @@ def test_clients_that_read_nothing_cost_little_and_hold_nobody_up():
             received = sum(len(body) for _, (_, body) in zip(range(120), parts))
             daemon.wait_metric("glint_http_streams", 101)
             # A copy of what the fast one was sent for each of them would be hundreds.
-            assert resident(daemon) - before < 12, (before, resident(daemon), received)
+            if not instrumented(daemon):
+                assert resident(daemon) - before < 12, (before, resident(daemon), received)
             assert received > 1 << 19
         daemon.wait_metric("glint_http_streams", 0)
         daemon.delete(f"/v1/jobs/{job}")
@@ -259,7 +266,8 @@ def test_clients_that_come_and_go_leave_nothing_behind():
             daemon.wait_metric("glint_http_connections", 1)
             used.append((descriptors(daemon), resident(daemon)))
         assert used[2][0] <= used[1][0] + 4, used  # of 1200 connections since
-        assert used[2][1] < used[1][1] + 4, used
+        if not instrumented(daemon):
+            assert used[2][1] < used[1][1] + 4, used
         daemon.delete(f"/v1/jobs/{job}")
 
 
