@@ -83,6 +83,17 @@ def test_regions_and_sample_ranges_of_two_daemons_make_the_frame_of_one_run():
         assert read(farm / "mixed.exr") == whole
 
 
+def test_outputs_and_layout_are_those_of_the_daemon():
+    with Farm() as farm:
+        parts = [farm.film(f"{first}.film", first % 2, sample_range=[first, end])
+                 for first, end in ((0, 3), (3, 4))]
+        whole = farm.job(0, stop={"samples": 4})
+        frame = farm.daemons[0].frame(whole, "&outputs=beauty,depth,crypto_object&layout=multipart")
+        farm.merge(*parts, "-o", farm / "some.exr", "--layout", "multipart",
+                   "--outputs", "beauty,depth,crypto_object")
+        assert read(farm / "some.exr") == frame
+
+
 def test_what_does_not_fit_is_refused_with_every_reason_and_no_file():
     with Farm() as farm:
         one = farm.film("one.film", 0, sample_range=[0, 4])
