@@ -35,6 +35,12 @@ glint_status glint_storage_fault(struct glint_error *err, const char *folder, co
                                     : glint_fail(err, GLINT_E_IO, "", "%s: %s", folder, text);
 }
 
+uint64_t glint_storage_free(const char *folder)
+{
+    struct statvfs s;
+    return statvfs(folder, &s) ? 0 : (uint64_t)s.f_bavail * s.f_frsize;
+}
+
 bool glint_storage_sync_folder(const char *path)
 {
     const int fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -19,6 +19,9 @@ glint_status glint_storage_full(struct glint_error *err, const char *folder, con
 glint_status glint_storage_fault(struct glint_error *err, const char *folder, const char *what,
                                  int why);
 
+// Bytes that may still be written in the folder, 0: not known.
+uint64_t glint_storage_free(const char *folder);
+
 bool glint_storage_sync_folder(const char *path); // false with errno
 
 // Bytes of FOLDER/NAME, 0: it is not there.

@@ -24,6 +24,8 @@ struct glint_checkpoints {
     void *user;
     glint_metric *total, *failures, *seconds_each, *written_bytes, *state_bytes;
     _Atomic uint64_t bytes; // of all films
+    _Atomic uint64_t share,
+        budget; // that they may have: at most half of the disk, or what was said
     pthread_t thread;
     bool started;
 
@@ -472,6 +474,19 @@ void glint_checkpoints_sweep(glint_checkpoints *c)
     for (size_t i = 0; i < s.count; i++)
         glint_entry_release(&s.entry[i]);
     free(s.entry);
+    atomic_store(&c->share, (glint_storage_free(c->folder) + atomic_load(&c->bytes)) / 2);
+}
+
+uint64_t glint_checkpoints_excess(glint_checkpoints *c)
+{
+    const uint64_t said = atomic_load(&c->budget), bytes = atomic_load(&c->bytes);
+    const uint64_t budget = said ? said : atomic_load(&c->share);
+    return budget && bytes > budget ? bytes - budget : 0;
+}
+
+void glint_checkpoints_set_budget(glint_checkpoints *c, uint64_t bytes)
+{
+    atomic_store(&c->budget, bytes);
 }
 
 // ---- life

@@ -54,6 +54,11 @@ glint_status glint_checkpoint_open(struct glint_entry *entry, glint_render **out
 // Removes the films of a job whose row is gone.
 void glint_checkpoint_remove(struct glint_entry *entry);
 
+// Bytes of films over what they may take of the disk, 0: none. Until it is told otherwise that is
+// half of what was free, or theirs, at the start.
+uint64_t glint_checkpoints_excess(glint_checkpoints *checkpoints);
+void glint_checkpoints_set_budget(glint_checkpoints *checkpoints, uint64_t bytes); // 0: that half
+
 // Removes every file that no entry of the table has, but for those put aside.
 void glint_checkpoints_sweep(glint_checkpoints *checkpoints);
 

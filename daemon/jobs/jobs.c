@@ -1,6 +1,7 @@
 #include "jobs/jobs.h"
 
 #include "base/clock.h"
+#include "base/log.h"
 #include "jobs/admit.h"
 #include "jobs/checkpoint.h"
 #include "jobs/describe.h"
@@ -35,10 +36,40 @@ static void scene_changed(void *user, const char *name)
     tell(user, &command);
 }
 
+// The job that ended first, but not the only one; retained.
+static struct glint_entry *oldest_ended(glint_jobs *jobs)
+{
+    struct glint_entry *oldest = NULL;
+    size_t ended = 0;
+    pthread_mutex_lock(&jobs->table.mutex);
+    for (size_t i = 0; i < jobs->table.count; i++) {
+        struct glint_entry *e = jobs->table.entry[i];
+        if (!glint_checkpoint_complete(e) || !e->kept.film)
+            continue;
+        if (!ended++)
+            oldest = e;
+    }
+    oldest = ended > 1 ? glint_entry_retain(oldest) : NULL;
+    pthread_mutex_unlock(&jobs->table.mutex);
+    return oldest;
+}
+
+// By the thread that writes films, which holds nothing meanwhile.
 static void film_written(void *user)
 {
+    glint_jobs *jobs = user;
     struct glint_command command = {.kind = GLINT_COMMAND_KEPT};
-    tell(user, &command);
+    tell(jobs, &command);
+    struct glint_entry *oldest;
+    while (glint_checkpoints_excess(jobs->checkpoints) && (oldest = oldest_ended(jobs))) {
+        bool forgotten = false;
+        glint_log(GLINT_LOG_INFO, "jobs", oldest->id, oldest->request,
+                  "forgotten: films take more of the disk than they may");
+        const glint_status st = glint_jobs_delete(jobs, oldest->id, &forgotten, NULL);
+        glint_entry_release(&oldest);
+        if (st || !forgotten)
+            return;
+    }
 }
 
 // What is kept comes before anybody can ask for it, and before new films are written.
@@ -86,6 +117,12 @@ void glint_jobs_set_checkpoint(glint_jobs *jobs, double seconds)
 {
     if (jobs->checkpoints)
         glint_checkpoints_set_seconds(jobs->checkpoints, seconds);
+}
+
+void glint_jobs_set_film_disk(glint_jobs *jobs, uint64_t bytes)
+{
+    if (jobs->checkpoints)
+        glint_checkpoints_set_budget(jobs->checkpoints, bytes);
 }
 
 void glint_jobs_checkpoint(glint_jobs *jobs)

@@ -282,6 +282,23 @@ static void a_film_leaves_memory_for_another(void **state)
     glint_jobs_release(f.jobs, &view);
 }
 
+static void films_past_their_share_of_the_disk_go_oldest_first(void **state)
+{
+    (void)state;
+    char id[3][GLINT_JOB_ID_BYTES];
+    fake_open_gate();
+    glint_jobs_set_film_disk(f.jobs, 100); // a film has 45 bytes
+    for (int i = 0; i < 3; i++) {
+        strcpy(id[i], fixture_submit(&f, "{'scene': 's', 'seed': 5, 'resolution': [4, 1], "
+                                         "'stop': {'samples': 3}}"));
+        wait_done(id[i]);
+        wait_file(film(id[i], 1, ""), true);
+    }
+    wait_file(film(id[0], 1, ""), false);
+    assert_int_equal(access(film(id[1], 1, ""), F_OK), 0);
+    assert_null(glint_jobs_describe(f.jobs, id[0], NULL));
+}
+
 #define KEPT(test) cmocka_unit_test_setup_teardown(test, begin, end)
 
 int main(void)
@@ -295,6 +312,7 @@ int main(void)
         KEPT(an_ended_job_is_opened_from_its_film),
         KEPT(films_of_forgotten_jobs_go),
         KEPT(a_film_leaves_memory_for_another),
+        KEPT(films_past_their_share_of_the_disk_go_oldest_first),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
