@@ -14,6 +14,7 @@ libglintcli_a_SOURCES = \
 	clients/cli/cmd_pick.c \
 	clients/cli/cmd_plan.c \
 	clients/cli/cmd_recolor.c \
+	clients/cli/through.c clients/cli/through.h \
 	clients/cli/cmd_render.c \
 	clients/cli/cmd_scenes.c \
 	clients/cli/cmd_top.c \

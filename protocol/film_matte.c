@@ -164,12 +164,15 @@ struct selection {
 static void add_selected(const struct glint_film_info *info, const struct covered *at, void *user)
 {
     const struct selection *of = user;
-    uint64_t amount = 0;
+    uint64_t direct = 0, bounced = 0;
     for (uint32_t s = 0; s < info->job->matte_slots; s++) {
         const uint32_t key = gk_matte_key(at->table[s]);
         if (of->classes >> gk_matte_class(key) & 1 && of->key[key & GK_MATTE_BASE_KEY])
-            amount += gk_matte_amount(at->table[s]);
+            *(gk_matte_class(key) ? &bounced : &direct) += gk_matte_amount(at->table[s]);
     }
+    // Of the class of reflections and that of refractions nothing is seen directly; others hold that.
+    const uint64_t larger = direct > bounced ? direct : bounced;
+    const uint64_t amount = info->job->matte_classes ? direct + bounced : larger;
     of->plane[at->out] = (float)((double)amount / ((double)GK_MATTE_ONE * at->samples));
 }
 

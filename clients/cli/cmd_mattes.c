@@ -107,6 +107,9 @@ static char *matte_path(const struct glint_arguments *a)
     const bool exr = strcmp(glint_download_kind(file), "exr") == 0;
     char *path = glint_client_path("/v1/jobs/", a->text[0], exr ? "/matte.exr" : "/matte.png");
     path = glint_client_query(path, "layer", layer ? layer : "object");
+    const char *through = glint_options_text(a, "through");
+    if (through)
+        path = glint_client_query(path, "through", through);
     const size_t names = glint_options_all(a, "name", name, MAX_NAMES);
     for (size_t i = 0; i < names; i++)
         path = glint_client_query(path, "name", name[i]);
@@ -140,6 +143,8 @@ static const struct glint_option mattes_options[] = {
 static const struct glint_option matte_options[] = {
     {"layer", 'l', "LAYER", "object (the default), material or asset"},
     {"name", 'n', "NAME", "what to show; repeated, their union"},
+    {"through", 0, "CLASSES",
+     "with commas between: primary (the default), glossy, reflection, refraction, depth0, .."},
     {"output", 'o', "FILE", "where to, .exr or .png"},
     {0},
 };

@@ -9,6 +9,7 @@
 #include "protocol/exr.h"
 #include "protocol/png.h"
 #include "recolour.h"
+#include "through.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -20,7 +21,7 @@
 
 // What is asked for, as the command line says it.
 struct wish {
-    const char *source, *layer, *image, *output;
+    const char *source, *layer, *through, *image, *output;
     const char *name[MAX_NAMES];
     size_t names;
     struct glint_rgb colour;
@@ -44,6 +45,7 @@ static glint_status read_wish(struct wish *w, struct glint_session *s,
                *exposure = glint_options_text(a, "exposure");
     *w = (struct wish){.source = a->text[0],
                        .layer = glint_options_text(a, "layer"),
+                       .through = glint_options_text(a, "through"),
                        .image = glint_options_text(a, "image"),
                        .output = glint_options_text(a, "output")};
     w->names = glint_options_all(a, "name", w->name, MAX_NAMES);
@@ -137,7 +139,7 @@ static glint_status recolour_name(const struct wish *w, const struct glint_image
     if (!matte)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a matte");
     r->matte = matte;
-    glint_status status = glint_cryptomatte_matte(file->frame, o->type, &id, 1, matte, err);
+    glint_status status = glint_through_matte(file->frame, o->type, w->through, id, matte, err);
     if (!status)
         status = glint_recolour(r, &o->name[i].old, &o->name[i].pixels, err);
     if (status == GLINT_OK && o->name[i].pixels <= 0)
@@ -262,6 +264,8 @@ static const struct glint_option options[] = {
     {"layer", 'l', "LAYER",
      "object (the default), material, asset, or a layer's full name; the only one need not be "
      "named"},
+    {"through", 0, "CLASSES",
+     "with commas between: primary (the default), glossy, reflection, refraction, depth0, .."},
     {"image", 0, "PREFIX", "recolour the channels PREFIX.R, G, B instead of R, G, B"},
     {"exposure", 0, "STOPS", "of a PNG (0)"},
     {"output", 'o', "FILE", "where to, .exr or .png"},

@@ -96,6 +96,12 @@ static void list_types(const struct glint_frame *frame, char text[400])
                                      frame->attribute[i].text);
 }
 
+// Whether the type is that of a layer of what is seen directly: "CryptoObject" for "object".
+static bool is_primary(const char *type, const char *layer)
+{
+    return strlen(type) == strlen(layer) + 6 && !strncmp(type, "Crypto", 6);
+}
+
 // The types that `layer` may mean, and one of them; all types for NULL.
 static unsigned count_types(const struct glint_frame *frame, const char *layer, const char **type)
 {
@@ -105,7 +111,7 @@ static unsigned count_types(const struct glint_frame *frame, const char *layer, 
         if (!key_of(a) || (layer && !ends_with(a->text, layer)))
             continue;
         *type = a->text;
-        if (layer && strcmp(a->text, layer) == 0)
+        if (layer && (strcmp(a->text, layer) == 0 || is_primary(a->text, layer)))
             return 1;
         count++;
     }

@@ -21,8 +21,8 @@ glint_status glint_image_file_parse(struct glint_image_file *out, const void *by
                                     struct glint_error *err);
 void glint_image_file_finish(struct glint_image_file *file);
 
-// The Cryptomatte type that `layer` means: for NULL the only one, else object; one so called, else the only one whose name ends with
-// it in any case ("object": CryptoObject, ViewLayer.CryptoObject). The text lives as long as the
+// The Cryptomatte type that `layer` means: for NULL the only one, else object; one so called, the one of what is seen
+// directly, else the only one whose name ends with it in any case ("object": CryptoObject, ViewLayer.CryptoObject). The text lives as long as the
 // frame. GLINT_E_NOT_FOUND names the types that there are.
 glint_status glint_image_file_type(const struct glint_image_file *file, const char *layer,
                                    const char **type, struct glint_error *err);
