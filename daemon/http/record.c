@@ -88,11 +88,19 @@ static void say_peer(struct glint_request *r, char out[INET6_ADDRSTRLEN])
                   INET6_ADDRSTRLEN);
 }
 
+// Nothing but ids: what else a client writes there could pass for other fields of the line.
+static bool is_job(const char *text)
+{
+    return strspn(text, "0123456789abcdef") == GLINT_JOB_ID_BYTES - 1 &&
+           !text[GLINT_JOB_ID_BYTES - 1];
+}
+
 static const char *job_of(const struct glint_request *r)
 {
     if (*r->job)
         return r->job;
-    return r->route && !strncmp(r->route->pattern, "/v1/jobs/{}", 11) ? r->argument[0] : NULL;
+    const bool named = r->route && !strncmp(r->route->pattern, "/v1/jobs/{}", 11);
+    return named && is_job(r->argument[0]) ? r->argument[0] : NULL;
 }
 
 // Looking is of interest to who debugs; changes, and who was turned away, to everybody.

@@ -439,11 +439,14 @@ def test_lines_have_a_priority_and_only_those_wanted_are_written():
     with Daemon("--threads", "1") as daemon:
         daemon.put("room", ROOM)
         daemon.get("/v1")
+        # What stands in a path is no field of the line.
+        daemon.delete("/v1/jobs/x%20client=root%0a%3C3%3Eforged")
         daemon.stop()
         text = daemon.logged()
     assert re.search(r"^<6>http request=[0-9a-f]+ trace=[0-9a-f]{32}: PUT /v1/scenes/room: 201, ",
                      text, re.M), text
     assert "GET /v1" not in text
+    assert not re.search(r"client=root[^:]*: DELETE|^<3>", text, re.M), text
 
 
 # Stands in for systemd: a /run of its own where the journal's socket is the test's.
