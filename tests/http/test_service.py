@@ -380,11 +380,21 @@ def test_a_stream_that_is_open_ends_well_when_it_drains():
                 raise AssertionError("it still listens")
 
 
-def test_a_second_signal_exits_1_at_once():
+def accepts(daemon):
+    try:
+        daemon.dial().close()
+    except ConnectionError:
+        return False
+    return True
+
+
+def test_it_is_not_ready_while_it_drains_and_a_second_signal_exits_1_at_once():
     with Daemon("--threads", "1", "--drain-seconds", "600") as daemon:
         daemon.put("room", ROOM)
         # A request that is never complete, so that draining waits for it.
-        with daemon.dial() as half:
+        with daemon.dial() as half, daemon.dial() as open_before:
+            open_before.sendall(b"GET /readyz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            assert open_before.recv(65536).startswith(b"HTTP/1.1 200")
             half.sendall(b"PUT /v1/scenes/x HTTP/1.1\r\nHost: localhost\r\n"
                          b"Content-Type: application/json\r\nContent-Length: 100\r\n\r\n{")
             daemon.wait_metric("glint_http_received_bytes_total",
@@ -392,6 +402,12 @@ def test_a_second_signal_exits_1_at_once():
             daemon.process.send_signal(signal.SIGTERM)
             wait_log(daemon, "signal 15: ending")
             assert daemon.process.poll() is None
+            end = time.monotonic() + PATIENCE
+            while accepts(daemon):
+                assert time.monotonic() < end
+            # Who is connected already is told that it takes no more.
+            open_before.sendall(b"GET /readyz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            assert open_before.recv(65536).startswith(b"HTTP/1.1 503")
             daemon.process.send_signal(signal.SIGINT)
             assert daemon.process.wait(PATIENCE) == 1
         raise_nothing(daemon)
