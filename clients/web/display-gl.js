@@ -112,8 +112,10 @@ export class GlDisplay {
         }, { once: true });
     }
 
+    // An Error where the driver takes no picture of that size.
     setSize(width, height) {
         const { gl } = this;
+        if (Math.max(width, height) > gl.getParameter(gl.MAX_TEXTURE_SIZE)) throw new Error("too large for WebGL2");
         gl.activeTexture(gl.TEXTURE0);
         gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA16F, width, height, 0, gl.RGBA, gl.HALF_FLOAT,
             new Uint16Array(4 * width * height));

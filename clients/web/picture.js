@@ -10,30 +10,37 @@ export class Picture {
         this.width = this.height = 0;
         this.looks = { exposure: 0, tone: "clip", show: 0, change: null }; // change: of recolour.js
         this.mask = null;
-        this.#open(canvas);
+        this.#open(canvas, false);
     }
 
-    #open(canvas) {
+    #open(canvas, flat) {
         this.canvas = canvas;
         try {
+            if (flat) throw new Error("WebGL2 cannot hold the picture");
             this.display = new GlDisplay(canvas, () => this.#reopen());
         } catch {
             this.display = new FlatDisplay(canvas);
         }
     }
 
-    // The graphics driver has dropped what it had: a fresh canvas, the same values.
-    #reopen() {
+    // The graphics driver has dropped what it had, or cannot hold it: a fresh canvas, the same values.
+    #reopen(flat = false) {
         const canvas = this.canvas.cloneNode();
         this.canvas.replaceWith(canvas);
-        this.#open(canvas);
+        this.#open(canvas, flat);
         this.#resend();
         this.changed?.();
     }
 
     #resend() {
         if (!this.width) return;
-        this.display.setSize(this.width, this.height);
+        try {
+            this.display.setSize(this.width, this.height);
+        } catch (error) {
+            if (this.display instanceof FlatDisplay) throw error;
+            this.#reopen(true);
+            return;
+        }
         this.display.update(0, 0, this.width, this.height, this.values);
         this.setMask(this.mask);
     }

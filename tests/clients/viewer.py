@@ -138,6 +138,16 @@ def test_the_screen_shows_frame_png_within_rounding():
                     page.until(lambda: difference(page, daemon, name, f"output={output}") <= 1)
 
 
+def test_the_picture_comes_back_when_the_graphics_driver_drops_it():
+    with Daemon() as daemon, Browser(daemon) as page:
+        daemon.put("room", SCENE)
+        name = shown(daemon, page)
+        page.run("""window.dropped = document.getElementById("canvas");
+            window.dropped.getContext("webgl2").getExtension("WEBGL_lose_context").loseContext()""")
+        page.until(lambda: page.run("return window.dropped !== document.getElementById('canvas')"))
+        page.until(lambda: difference(page, daemon, name) <= 1)
+
+
 def test_the_inspector_reads_the_values_under_the_pointer():
     with Daemon() as daemon, Browser(daemon) as page:
         daemon.put("room", SCENE)
