@@ -19,8 +19,8 @@
 #define MOST_HELPERS 4
 #define MAX_LOG 16384
 
-// Of nice, that a helper lets others go first by.
-static char idle_steps[] = "10", no_steps[] = "0";
+// Of nice, that a helper lets others go first by: in idle time as workers do.
+static char idle_steps[] = "5", no_steps[] = "0";
 
 extern char **environ;
 
