@@ -196,7 +196,7 @@ def test_a_scene_replaced_before_the_job_used_it_is_not_rendered():
     with FakeDaemon() as daemon, Folder() as folder:
         daemon.on("POST", "/v1/jobs", Answer(202, {**JOB, "revision": "0" * 64}))
         run = cli.glint("render", folder / "room.glb", "-o", folder / "f.exr", server=daemon.url)
-        assert run.returncode == 75 and "replaced" in run.stderr
+        assert run.returncode == 1 and "replaced" in run.stderr
         daemon.wait_for("DELETE", "/v1/jobs/job1")
         assert folder.names() == ["room.glb"]
 
