@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """The viewer in headless Chromium against a real daemon."""
 import json
 import os
