@@ -128,22 +128,28 @@ GK_INLINE gk_f32 gk_coverage_weight(gk_f32 part, gk_f32 rest, gk_f32 flat, gk_f3
     return alpha > 0.0f ? (bounded ? weight : 0.0f) : 1.0f;
 }
 
-// Of the path that arrives so at a hit.
-GK_INLINE gk_f32 gk_weight_at_hit(struct gk_spread s, const struct gk_cone *c,
-                                  const struct gk_weight_rule *rule)
+// What the last vertex adds to the variance of the rest, and a lobe of density 1/pi in its place.
+struct gk_weighing {
+    gk_f32 part, rest, flat;
+};
+
+// Of the path that arrives so at a hit, or that leaves the scene: the limit as the way grows.
+GK_INLINE struct gk_weighing gk_weighing_of(const struct gk_spread *s, const struct gk_cone *c,
+                                            const struct gk_weight_rule *rule, gk_i32 missed)
 {
-    const gk_f32 square = s.since * s.since;
-    const gk_f32 part = s.last > 0.0f ? square * s.last : 0.0f;
-    return gk_coverage_weight(part, gk_cone_area(c, rule) + s.s2,
-                              rule->cut ? square * GK_DIFFUSE_VARIANCE : -1.0f, rule->alpha);
+    const gk_f32 square = missed ? 1.0f : s->since * s->since;
+    struct gk_weighing w;
+    w.part = s->last > 0.0f ? square * s->last : 0.0f;
+    w.rest = missed ? gk_cone_area_far(c, rule) + s->s0 : gk_cone_area(c, rule) + s->s2;
+    w.flat = rule->cut ? square * GK_DIFFUSE_VARIANCE : -1.0f;
+    return w;
 }
 
-// Of the path that leaves the scene: the limit of the above.
-GK_INLINE gk_f32 gk_weight_at_miss(struct gk_spread s, const struct gk_cone *c,
-                                   const struct gk_weight_rule *rule)
+GK_INLINE gk_f32 gk_path_weight(const struct gk_spread *s, const struct gk_cone *c,
+                                const struct gk_weight_rule *rule, gk_i32 missed)
 {
-    return gk_coverage_weight(s.last, gk_cone_area_far(c, rule) + s.s0,
-                              rule->cut ? GK_DIFFUSE_VARIANCE : -1.0f, rule->alpha);
+    const struct gk_weighing w = gk_weighing_of(s, c, rule, missed);
+    return gk_coverage_weight(w.part, w.rest, w.flat, rule->alpha);
 }
 
 // Units of `held` that go on: `carried` times the weight, to nearest, at most all. carried: held b/q,

@@ -39,9 +39,8 @@ GK_INLINE gk_f32 gk_transport_weight(const struct gk_transport *t,
 {
     const gk_f32 delta = t->spread.last == 0.0f ? 1.0f : 0.0f;
 #ifdef GK_GLOSSY_MATTES
-    const gk_f32 far = gk_weight_at_miss(t->spread, &t->cone, rule);
-    const gk_f32 near = gk_weight_at_hit(t->spread, &t->cone, rule);
-    return rule->glossy ? (missed ? far : near) : delta;
+    const gk_f32 weight = gk_path_weight(&t->spread, &t->cone, rule, missed);
+    return rule->glossy ? weight : delta;
 #else
     (void)rule;
     (void)missed;

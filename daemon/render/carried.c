@@ -85,9 +85,19 @@ static glint_status deposit_tile(struct glint_run *r, const struct glint_film_ti
                              tile_in_block * GK_TILE_PIXELS);
 }
 
+void glint_carried_look(struct glint_run *r, uint32_t n)
+{
+    const uint32_t *held = (const uint32_t *)glint_buffer_host(r->wave->columns) +
+                           (size_t)GK_COL_HELD * GLINT_WAVE_STRIDE;
+    uint32_t any = 0;
+    for (uint32_t i = 0; r->holds && i < n; i++)
+        any |= held[i];
+    r->holds = any != 0;
+}
+
 glint_status glint_carried_deposit(struct glint_run *r)
 {
-    if (!r->job->matte_through)
+    if (!r->holds)
         return GLINT_OK;
     const glint_status st = glint_run_tiles(r, deposit_tile);
     glint_run_charge(r, GLINT_PASS_CARRIED);

@@ -96,14 +96,15 @@ static glint_status generate(struct glint_run *r)
     return st;
 }
 
-static glint_status shade(struct glint_run *r, uint32_t n)
+static glint_status shade(struct glint_run *r, glint_program *program, uint32_t n)
 {
     const uint32_t stride = STRIDE;
     struct glint_arg args[5 + GLINT_TABLES] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(n),
                                                BUFFER(r->job->frame), BUFFER(r->wave->rect)};
     for (int t = 0; t < GLINT_TABLES; t++)
         args[5 + t].buffer = glint_resident_table(r->job->scene, t);
-    const glint_status st = glint_run_launch(r, "shade_surface", n, args, 5 + GLINT_TABLES);
+    const glint_status st = glint_launch(r->worker, program, "shade_surface", grid_of(r, n), GROUP,
+                                         args, 5 + GLINT_TABLES, r->err);
     glint_run_charge(r, GLINT_PASS_SHADE);
     return st;
 }
@@ -163,9 +164,10 @@ static glint_status trace_paths(struct glint_run *r)
     while (!st && n > 0) {
         if (interrupted(r))
             return GLINT_E_BUSY;
+        glint_carried_look(r, n);
         glint_geometry_trace_wave(r->job->geometry, columns, STRIDE, n);
         glint_run_charge(r, GLINT_PASS_TRACE);
-        st = shade(r, n);
+        st = shade(r, r->holds || !r->job->plain ? r->job->program : r->job->plain, n);
         if (!st && glint_plan_has(r->job->plan, GLINT_PASS_SHADOW))
             st = trace_shadows(r, n);
         if (!st)
@@ -236,6 +238,7 @@ glint_status glint_wave_run(glint_wave *wave, glint_worker *worker,
                           block->samples << (8 + 2 * block->tiles_log2),
                           0,
                           glint_now(),
+                          job->matte_through,
                           false};
     glint_status st = glint_carried_begin(&r);
     if (!st)
@@ -253,7 +256,9 @@ static glint_status launch_all(struct glint_run *r)
     const struct glint_film_tile nowhere = {r->wave->columns, 0, r->wave->columns, 0};
     glint_status st = generate(r);
     if (!st)
-        st = shade(r, 0);
+        st = shade(r, r->job->program, 0);
+    if (!st && r->job->plain)
+        st = shade(r, r->job->plain, 0);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_UNOCCLUDED))
         st = glint_run_launch(r, "add_unoccluded", 0, args, 3);
     if (!st)
@@ -275,7 +280,8 @@ glint_status glint_wave_compile(glint_devices *devices, const struct glint_wave_
     if (st)
         return st;
     struct glint_run r = {
-        wave, glint_devices_spare(devices), job, &nothing, NULL, err, 0, 0, 0, glint_now(), true};
+        wave, glint_devices_spare(devices), job, &nothing, NULL, err, 0, 0, 0, glint_now(), false,
+        true};
     pthread_mutex_lock(&one_at_a_time);
     st = launch_all(&r);
     pthread_mutex_unlock(&one_at_a_time);

@@ -23,7 +23,8 @@ struct glint_wave_job {
     const glint_geometry *geometry;
     glint_buffer *frame; // struct gk_frame
     uint32_t matte_slots, matte_policy;
-    bool matte_through; // deposits carried coverage
+    bool matte_through;   // deposits carried coverage
+    glint_program *plain; // the program without that, for waves whose paths hold none; or NULL
     uint32_t seed;
     const atomic_bool *interrupted; // NULL: never
 };

@@ -29,6 +29,7 @@ struct glint_run {
     struct glint_error *err;
     uint32_t pixels_log2, lanes, bounce;
     double mark;    // when the last pass ended
+    bool holds;     // a path has coverage to give away
     bool compiling; // over no item, in the largest grid there will be
 };
 
@@ -51,9 +52,10 @@ typedef glint_status glint_visit_tile(struct glint_run *run, const struct glint_
 glint_status glint_run_tiles(struct glint_run *run, glint_visit_tile *visit);
 
 // The tables that a run deposits in are copies until it has come to its end, because one that is
-// interrupted leaves the film as it was. None of the three does anything where no coverage is carried.
+// interrupted leaves the film as it was. None of these does anything where no coverage is carried.
 glint_status glint_carried_begin(struct glint_run *run);
-glint_status glint_carried_deposit(struct glint_run *run); // of the vertices just shaded
+void glint_carried_look(struct glint_run *run, uint32_t n); // whether any of n paths holds some
+glint_status glint_carried_deposit(struct glint_run *run);  // of the vertices just shaded
 glint_status glint_carried_end(struct glint_run *run);
 
 // Of one tile: its primary coverage, and what was carried, as kernels of one signature.

@@ -194,8 +194,9 @@ static void a_miss_is_the_limit_of_far_hits(void **state)
         gk_cone_advance(&beyond, far);
         for (int mode = 0; mode < 4; mode++) {
             const struct gk_weight_rule rule = {0.3f, 0.0f, slope, 1, mode & 1, 0, mode >> 1};
-            assert_within(gk_weight_at_hit(gk_spread_advance(s, far, 0), &beyond, &rule) -
-                              gk_weight_at_miss(s, &c, &rule),
+            const struct gk_spread arrived = gk_spread_advance(s, far, 0);
+            assert_within(gk_path_weight(&arrived, &beyond, &rule, 0) -
+                              gk_path_weight(&s, &c, &rule, 1),
                           1e-5);
         }
     }
