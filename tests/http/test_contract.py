@@ -173,7 +173,7 @@ def schemathesis(daemon, job, *options):
 
 def test_the_daemon_keeps_the_contract_whatever_it_is_asked():
     tool("schemathesis")
-    examples = os.environ.get("CONTRACT_EXAMPLES", "10")
+    examples = os.environ.get("CONTRACT_EXAMPLES", "5")
     with Daemon() as daemon:
         daemon.put("room", ROOM)
         job = daemon.submit(scene="room", resolution=[24, 16], stop={"samples": 4})
