@@ -286,7 +286,7 @@ static void *run(void *arg)
         next = INFINITY;
         round_of(c, true, all, seconds, &next);
         round_of(c, false, all, seconds, &next);
-        next = fmin(next, glint_now() + 1);
+        next = fmin(next, glint_now() + fmin(seconds, 1)); // for jobs that begin meanwhile
         pthread_mutex_lock(&c->mutex);
     }
     pthread_mutex_unlock(&c->mutex);
