@@ -27,22 +27,24 @@ struct gk_transport {
     gk_u32 excess;
 };
 
+// Before the first vertex a path has neither spread nor a deposit that waits: its columns are not read.
 GK_INLINE struct gk_transport gk_transport_load(const GK_GLOBAL gk_f32 *wave, gk_u32 stride,
                                                 gk_u32 i)
 {
     struct gk_transport t;
     t.held = GK_LOAD_U32(GK_COL_HELD, i);
     t.waits = GK_LOAD_U32(GK_COL_WAITS, i);
-    t.carried = GK_LOAD(GK_COL_CARRIED, i);
+    const gk_i32 begun = t.waits != 0u;
+    t.carried = begun ? GK_LOAD(GK_COL_CARRIED, i) : 0.0f;
     t.spread = gk_spread_none();
-    t.spread.last = GK_LOAD(GK_COL_LAST, i);
+    t.spread.last = begun ? GK_LOAD(GK_COL_LAST, i) : 0.0f;
     t.cone.r = t.cone.g = 0.0f;
     t.cone.way = GK_LOAD(GK_COL_WAY, i);
 #ifdef GK_GLOSSY_MATTES
-    t.spread.s0 = GK_LOAD(GK_COL_SPREAD0, i);
-    t.spread.s1 = GK_LOAD(GK_COL_SPREAD1, i);
-    t.spread.s2 = GK_LOAD(GK_COL_SPREAD2, i);
-    t.spread.since = GK_LOAD(GK_COL_SINCE, i);
+    t.spread.s0 = begun ? GK_LOAD(GK_COL_SPREAD0, i) : 0.0f;
+    t.spread.s1 = begun ? GK_LOAD(GK_COL_SPREAD1, i) : 0.0f;
+    t.spread.s2 = begun ? GK_LOAD(GK_COL_SPREAD2, i) : 0.0f;
+    t.spread.since = begun ? GK_LOAD(GK_COL_SINCE, i) : 0.0f;
     t.cone.r = GK_LOAD(GK_COL_RADIUS, i);
     t.cone.g = GK_LOAD(GK_COL_SLOPE, i);
 #endif
@@ -77,17 +79,15 @@ GK_INLINE void gk_transport_store(GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_u32 
 GK_INLINE void gk_transport_begin(GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_u32 i,
                                   const GK_GLOBAL struct gk_frame *frame)
 {
-    struct gk_transport t;
-    t.held = GK_MATTE_ONE;
-    t.waits = 0u;
-    t.carried = 0.0f;
-    t.spread = gk_spread_none();
-    t.cone.r = frame->matte_radius;
-    t.cone.g = frame->matte_slope;
-    t.cone.way = 0.0f;
-    t.before.key = t.before.amount = t.last.key = t.last.amount = t.excess = 0u;
-    GK_STORE_U32(GK_COL_EXCESS, i, 0u);
-    gk_transport_store(wave, stride, i, i, &t);
+    GK_STORE_U32(GK_COL_HELD, i, GK_MATTE_ONE);
+    GK_STORE_U32(GK_COL_WAITS, i, 0u);
+    GK_STORE(GK_COL_WAY, i, 0.0f);
+#ifdef GK_GLOSSY_MATTES
+    GK_STORE(GK_COL_RADIUS, i, frame->matte_radius);
+    GK_STORE(GK_COL_SLOPE, i, frame->matte_slope);
+#else
+    (void)frame;
+#endif
 }
 
 #endif

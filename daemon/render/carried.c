@@ -63,10 +63,20 @@ static glint_status copy_out(struct glint_run *r, const struct glint_film_tile *
     return GLINT_OK;
 }
 
+// An interrupted run leaves deposits behind.
+static void empty_lanes(struct glint_run *r)
+{
+    static const uint32_t columns[] = {GK_COL_DEPOSIT0, GK_COL_DEPOSIT1, GK_COL_EXCESS};
+    float *all = glint_buffer_host(r->wave->columns);
+    for (size_t c = 0; c < sizeof columns / sizeof *columns; c++)
+        memset(all + (size_t)columns[c] * GLINT_WAVE_STRIDE, 0, r->lanes * sizeof *all);
+}
+
 glint_status glint_carried_begin(struct glint_run *r)
 {
     if (!r->job->matte_through)
         return GLINT_OK;
+    empty_lanes(r);
     const size_t tiles = GLINT_WAVE_LANES / GK_TILE_PIXELS;
     glint_status st = GLINT_OK;
     if (!r->wave->tables)

@@ -27,7 +27,7 @@ struct file {
 static struct file write_file(const struct glint_frame *f, enum glint_exr_compression compression,
                               enum glint_exr_layout layout)
 {
-    const struct glint_exr_options options = {compression, layout, 4};
+    const struct glint_exr_options options = {compression, layout, 4, false};
     struct file file;
     assert_int_equal(glint_exr_write(f, &options, &file.bytes, &file.size, NULL, NULL), GLINT_OK);
     return file;
@@ -254,7 +254,7 @@ static void values_over_the_half_range_are_clamped_and_counted(void **state)
 static void what_would_break_ids_is_refused(void **state)
 {
     (void)state;
-    const struct glint_exr_options options = {GLINT_EXR_ZIP, GLINT_EXR_SINGLE, 0};
+    const struct glint_exr_options options = {GLINT_EXR_ZIP, GLINT_EXR_SINGLE, 0, false};
     struct file file;
     for (int i = 0; i < 3; i++) {
         struct glint_frame *f;
