@@ -1,10 +1,10 @@
 #include "ticker.h"
 
+#include "base/clock.h"
 #include "base/thread.h"
 
 #include <stdbool.h>
 #include <stdlib.h>
-#include <time.h>
 
 struct glint_ticker {
     pthread_t thread;
@@ -16,22 +16,13 @@ struct glint_ticker {
     void *user;
 };
 
-static struct timespec after(double seconds)
-{
-    struct timespec at;
-    clock_gettime(CLOCK_MONOTONIC, &at);
-    const long long ns = (long long)(seconds * 1e9) + at.tv_nsec;
-    return (struct timespec){at.tv_sec + ns / 1000000000, ns % 1000000000};
-}
-
 // Returns false when it is to end.
 static bool rest(glint_ticker *t)
 {
-    const struct timespec until = after(t->seconds);
-    int rc = 0;
+    const double until = glint_now() + t->seconds;
     pthread_mutex_lock(&t->mutex);
-    while (!t->ends && !rc)
-        rc = pthread_cond_timedwait(&t->ending, &t->mutex, &until);
+    while (!t->ends && glint_condition_wait(&t->ending, &t->mutex, until)) {
+    }
     const bool goes_on = !t->ends;
     pthread_mutex_unlock(&t->mutex);
     return goes_on;
@@ -63,12 +54,8 @@ glint_status glint_ticker_create(glint_ticker **out, const char *name, double se
     t->seconds = seconds;
     t->tick = tick;
     t->user = user;
-    pthread_condattr_t monotonic;
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     pthread_mutex_init(&t->mutex, NULL);
-    pthread_cond_init(&t->ending, &monotonic);
-    pthread_condattr_destroy(&monotonic);
+    glint_condition_init(&t->ending);
     const glint_status st = glint_thread_start(&t->thread, name, run, t, err);
     if (st)
         release(t);

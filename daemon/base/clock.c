@@ -14,6 +14,11 @@ double glint_now(void)
     return read_clock(CLOCK_MONOTONIC);
 }
 
+double glint_wall_clock(void)
+{
+    return read_clock(CLOCK_REALTIME);
+}
+
 double glint_thread_cpu(void)
 {
     return read_clock(CLOCK_THREAD_CPUTIME_ID);

@@ -1,11 +1,12 @@
 #include "base/queue.h"
 
+#include "base/thread.h"
+
 #include <assert.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 struct glint_queue {
     pthread_mutex_t mutex;
@@ -18,13 +19,8 @@ struct glint_queue {
 
 static void init_locks(glint_queue *q)
 {
-    // Deadlines come from glint_now(), which no change of the wall clock moves.
-    pthread_condattr_t attr;
-    pthread_condattr_init(&attr);
-    pthread_condattr_setclock(&attr, CLOCK_MONOTONIC);
-    pthread_cond_init(&q->filled, &attr);
-    pthread_cond_init(&q->emptied, &attr);
-    pthread_condattr_destroy(&attr);
+    glint_condition_init(&q->filled);
+    glint_condition_init(&q->emptied);
     pthread_mutex_init(&q->mutex, NULL);
 }
 
@@ -115,20 +111,10 @@ bool glint_queue_pop(glint_queue *q, void *message)
     return glint_queue_pop_until(q, message, INFINITY);
 }
 
-// False once the deadline has passed.
-static bool wait_filled(glint_queue *q, double deadline)
-{
-    if (!(deadline < 1e15))
-        return !pthread_cond_wait(&q->filled, &q->mutex);
-    const double whole = floor(deadline);
-    const struct timespec until = {(time_t)whole, (long)((deadline - whole) * 1e9)};
-    return !pthread_cond_timedwait(&q->filled, &q->mutex, &until);
-}
-
 bool glint_queue_pop_until(glint_queue *q, void *message, double deadline)
 {
     pthread_mutex_lock(&q->mutex);
-    while (!q->count && !q->closed && wait_filled(q, deadline)) {
+    while (!q->count && !q->closed && glint_condition_wait(&q->filled, &q->mutex, deadline)) {
     }
     const bool taken = take(q, message);
     pthread_mutex_unlock(&q->mutex);

@@ -7,11 +7,18 @@
 #include "protocol/status.h"
 
 #include <pthread.h>
+#include <stdbool.h>
 
 // Starts a thread with every signal blocked. name: shown by ps and debuggers, cut to 15 bytes.
 // GLINT_E_CAPACITY: the system gives no more threads.
 glint_status glint_thread_start(pthread_t *out, const char *name, void *(*run)(void *), void *arg,
                                 struct glint_error *err);
+
+// A condition whose deadlines are times of glint_now(), which no change of the wall clock moves.
+void glint_condition_init(pthread_cond_t *out);
+// With the mutex. False once the deadline has passed; true, perhaps for no reason, before. One that
+// is infinite never does.
+bool glint_condition_wait(pthread_cond_t *condition, pthread_mutex_t *mutex, double deadline);
 
 // Lets other threads of this process and machine go first from now on, by so many steps of nice.
 // Where the system forbids it, nothing changes.

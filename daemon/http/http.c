@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/thread.h"
 #include "http/board.h"
 #include "http/dispatch.h"
 #include "http/events.h"
@@ -240,11 +241,7 @@ glint_status glint_http_create(glint_http **out, const struct glint_http_params 
     pthread_mutex_init(&h->lists, NULL);
     pthread_mutex_init(&h->mutex, NULL);
     glint_http_set_limits(h, &params->limits);
-    pthread_condattr_t monotonic;
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-    pthread_cond_init(&h->changed, &monotonic);
-    pthread_condattr_destroy(&monotonic);
+    glint_condition_init(&h->changed);
 
     glint_status st = glint_frames_create(&h->frames, 32, FRAME_BYTES, err);
     if (!st)
@@ -272,9 +269,7 @@ glint_status glint_http_create(glint_http **out, const struct glint_http_params 
 
 bool glint_http_drain(glint_http *http, double seconds)
 {
-    struct timespec until;
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_sec += (time_t)seconds + 1;
+    const double until = glint_now() + seconds;
     pthread_mutex_lock(&http->mutex);
     const bool first = !http->draining;
     http->draining = true;
@@ -284,9 +279,8 @@ bool glint_http_drain(glint_http *http, double seconds)
         close(fd);
     glint_watch_wake(http->watch);
     pthread_mutex_lock(&http->mutex);
-    int rc = 0;
-    while (http->requests && !rc)
-        rc = pthread_cond_timedwait(&http->changed, &http->mutex, &until);
+    while (http->requests && glint_condition_wait(&http->changed, &http->mutex, until)) {
+    }
     const bool idle = !http->requests;
     pthread_mutex_unlock(&http->mutex);
     return idle;

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 // ---- how far it has come
 
@@ -115,13 +114,6 @@ void glint_job_progress_finish(struct glint_job_progress *progress)
 
 // ---- writing
 
-static double seconds_since_1970(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_REALTIME, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 glint_status glint_job_row_add(glint_journal *journal, const struct glint_entry *e,
                                struct glint_error *err)
 {
@@ -136,7 +128,7 @@ glint_status glint_job_row_add(glint_journal *journal, const struct glint_entry 
                   glint_value_text(e->job->scene), glint_value_text(glint_revision_id(e->revision)),
                   glint_value_text(e->client), glint_value_text(e->request),
                   glint_value_text(e->key), glint_value_text(e->created),
-                  glint_value_real(seconds_since_1970()),
+                  glint_value_real(glint_wall_clock()),
                   glint_value_integer((int64_t)e->need.film),
                   glint_value_integer((int64_t)e->need.scene), glint_value_text(warnings),
                   glint_value_text(glint_job_state_name(GLINT_JOB_QUEUED))},

@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <time.h>
 
 #define PAUSE_SECONDS 1 // between two rounds: a scene that is patched often leaves many
 
@@ -188,10 +187,8 @@ static void *run(void *arg)
             k->sweep = k->dirty = !collect(k, k->sweep);
         }
         k->gones = 0;
-        struct timespec until;
-        clock_gettime(CLOCK_REALTIME, &until);
-        until.tv_sec += PAUSE_SECONDS;
-        while (!k->stop && !pthread_cond_timedwait(&k->changed, &k->mutex, &until)) {
+        const double until = glint_now() + PAUSE_SECONDS;
+        while (!k->stop && glint_condition_wait(&k->changed, &k->mutex, until)) {
         }
     }
     pthread_mutex_unlock(&k->mutex);
@@ -294,7 +291,7 @@ glint_status glint_keep_create(glint_keep **out, glint_keeper *keeper, glint_ass
     k->assets = assets;
     k->collects = true;
     pthread_mutex_init(&k->mutex, NULL);
-    pthread_cond_init(&k->changed, NULL);
+    glint_condition_init(&k->changed);
     const glint_status st = glint_thread_start(&k->thread, "collect", run, k, err);
     k->started = !st;
     if (st)
