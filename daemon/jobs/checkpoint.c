@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #define RETRY_SECONDS 5.0 // after a disk took nothing
@@ -28,6 +27,7 @@ struct glint_checkpoints {
         budget; // that they may have: at most half of the disk, or what was said
     pthread_t thread;
     bool started;
+    bool unread; // rows that could not be: whose films there are besides, nobody knows
 
     pthread_mutex_t mutex; // guards what follows; a leaf
     pthread_cond_t changed;
@@ -257,17 +257,6 @@ static void round_of(struct glint_checkpoints *c, bool ended, bool all, double s
     free(entry);
 }
 
-// With the mutex. glint_now() and the condition's clock advance alike.
-static void wait_until(struct glint_checkpoints *c, double next)
-{
-    struct timespec until;
-    clock_gettime(CLOCK_REALTIME, &until);
-    const double left = fmin(fmax(next - glint_now(), 0), 1); // an interval may be made shorter
-    const double at = (double)until.tv_sec + 1e-9 * (double)until.tv_nsec + left;
-    until.tv_sec = (time_t)floor(at);
-    until.tv_nsec = (long)((at - floor(at)) * 1e9);
-    pthread_cond_timedwait(&c->changed, &c->mutex, &until);
-}
 
 static void *run(void *arg)
 {
@@ -276,7 +265,8 @@ static void *run(void *arg)
     pthread_mutex_lock(&c->mutex);
     while (!c->stop) {
         if (!c->ended && !c->now && glint_now() < next) {
-            wait_until(c, next);
+            // No longer than a second: the interval may be made shorter.
+            glint_condition_wait(&c->changed, &c->mutex, fmin(next, glint_now() + 1));
             continue;
         }
         const bool all = c->now;
@@ -461,8 +451,13 @@ static void sweep_file(void *user, const char *name)
     struct glint_entry *owner = film ? owner_of(s, &file) : NULL;
     if (owner)
         count_film(s, owner, &file);
-    else if (film || ends_with(name, ".new"))
+    else if ((film && !s->c->unread) || ends_with(name, ".new"))
         unlink(path);
+}
+
+void glint_checkpoints_spare(glint_checkpoints *c)
+{
+    c->unread = true;
 }
 
 void glint_checkpoints_sweep(glint_checkpoints *c)
@@ -528,7 +523,7 @@ glint_status glint_checkpoints_create(glint_checkpoints **out, glint_keeper *kee
     c->user = user;
     c->seconds = GLINT_CHECKPOINT_SECONDS;
     pthread_mutex_init(&c->mutex, NULL);
-    pthread_cond_init(&c->changed, NULL);
+    glint_condition_init(&c->changed);
     if (glint_keeper_metrics(keeper))
         name_metrics(c, glint_keeper_metrics(keeper));
     return GLINT_OK;

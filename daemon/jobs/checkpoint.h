@@ -59,6 +59,8 @@ void glint_checkpoint_remove(struct glint_entry *entry);
 uint64_t glint_checkpoints_excess(glint_checkpoints *checkpoints);
 void glint_checkpoints_set_budget(glint_checkpoints *checkpoints, uint64_t bytes); // 0: that half
 
+// Before the sweep: there are jobs that the table does not have, and their films are to stay.
+void glint_checkpoints_spare(glint_checkpoints *checkpoints);
 // Removes every file that no entry of the table has, but for those put aside.
 void glint_checkpoints_sweep(glint_checkpoints *checkpoints);
 

@@ -96,13 +96,24 @@ static void add_rays(cJSON *object, const struct glint_render_state *r)
     cJSON_AddNumberToObject(rays, "shadow", (double)r->shadow_rays);
 }
 
-static void add_render(cJSON *object, const struct moment *m)
+// Who has no render is what was kept of it, on the way to the stop that it has by now.
+static struct glint_render_state rendered(const struct moment *m)
 {
     struct glint_render_state r = {.error = NAN, .predicted_samples = NAN};
-    if (m->render)
+    if (m->render) {
         glint_render_state(m->render, &r);
-    else if (m->is_kept)
+        return r;
+    }
+    if (m->is_kept)
         r = m->kept;
+    r.progress *= (double)r.target_samples / m->stop.samples;
+    r.target_samples = m->stop.samples;
+    return r;
+}
+
+static void add_render(cJSON *object, const struct moment *m)
+{
+    const struct glint_render_state r = rendered(m);
     const bool bounded = r.target_samples && r.target_samples < GLINT_MAX_SAMPLES;
     cJSON_AddNumberToObject(object, "samples", r.samples);
     add_number(object, "target_samples", bounded ? r.target_samples : NAN);

@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 static enum glint_job_state state_of(const struct glint_job_row *row)
 {
@@ -70,16 +69,9 @@ static char *take(char **text)
     return out;
 }
 
-static double seconds_since_1970(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_REALTIME, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static void recall_progress(struct glint_entry *e, const struct glint_job_row *row)
 {
-    const double age = fmax(seconds_since_1970() - row->accepted, 0);
+    const double age = fmax(glint_wall_clock() - row->accepted, 0);
     e->submitted = glint_now() - age;
     e->since = NAN;
     e->render_seconds = fmax(row->seconds, 0);
@@ -151,7 +143,7 @@ static struct glint_entry *recall(glint_checkpoints *c, glint_store *store,
     atomic_init(&e->abandoned, false);
     e->keeper = c;
     if (fill(e, row, store, &err)) {
-        glint_log(GLINT_LOG_ERROR, "jobs", row->id, NULL, "its row is left as it is: %s",
+        glint_log(GLINT_LOG_ERROR, "jobs", row->id, NULL, "its row and films are left as they are: %s",
                   glint_error_text(&err));
         glint_entry_release(&e);
     }
@@ -177,8 +169,10 @@ glint_status glint_jobs_recall(glint_checkpoints *c, glint_store *store, glint_s
         st = glint_fail(err, GLINT_E_NOMEM, "", "no memory for the jobs");
     for (size_t i = 0; i < count && !st; i++) {
         struct glint_entry *e = recall(c, store, &row[i]);
-        if (!e)
+        if (!e) {
+            glint_checkpoints_spare(c);
             continue;
+        }
         share_revision(e, entry, recalled);
         entry[recalled++] = glint_entry_retain(e); // the scheduler takes the other one
         lives += !glint_state_ended(e->state);

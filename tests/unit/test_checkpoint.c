@@ -260,6 +260,36 @@ static void films_of_forgotten_jobs_go(void **state)
                      GLINT_E_NOT_FOUND);
 }
 
+static void a_job_that_cannot_be_read_keeps_its_film(void **state)
+{
+    (void)state;
+    fake_open_gate();
+    const char *id = fixture_submit(&f, "{'scene': 's', 'seed': 5, 'resolution': [4, 1], "
+                                        "'stop': {'samples': 3}}");
+    wait_done(id);
+    wait_file(film(id, 1, ""), true);
+    const struct glint_statement edit = {.sql = "UPDATE job SET text='{\"later\": 1}'"};
+    assert_int_equal(glint_journal_commit(glint_keeper_journal(keeper), &edit, 1, NULL), GLINT_OK);
+    restart();
+    assert_null(glint_jobs_describe(f.jobs, id, NULL));
+    assert_int_equal(access(film(id, 1, ""), F_OK), 0);
+}
+
+static void a_paused_job_tells_its_new_stop_after_a_restart(void **state)
+{
+    (void)state;
+    const char *id = half_way(8);
+    fixture_patch(&f, id, "{'paused': true}");
+    fake_let(100);
+    restart();
+    fixture_patch(&f, id, "{'stop': {'samples': 20}}");
+    assert_true(fixture_number(&f, id, "target_samples") == 20);
+    fake_open_gate();
+    fixture_patch(&f, id, "{'paused': false}");
+    wait_done(id);
+    assert_true(fixture_number(&f, id, "samples") == 20);
+}
+
 static void a_film_leaves_memory_for_another(void **state)
 {
     (void)state;
@@ -311,6 +341,8 @@ int main(void)
         KEPT(a_missing_film_means_to_begin_anew),
         KEPT(an_ended_job_is_opened_from_its_film),
         KEPT(films_of_forgotten_jobs_go),
+        KEPT(a_job_that_cannot_be_read_keeps_its_film),
+        KEPT(a_paused_job_tells_its_new_stop_after_a_restart),
         KEPT(a_film_leaves_memory_for_another),
         KEPT(films_past_their_share_of_the_disk_go_oldest_first),
     };
