@@ -51,7 +51,7 @@ void glint_http_job_convergence(struct glint_request *r)
         cJSON_AddItemToArray(curve, describe_point(&point[i]));
     cJSON_AddNumberToObject(answer, "samples", state.samples);
     add_number(answer, "error", state.error);
-    add_number(answer, "requested_error", view.job->stop.error > 0 ? view.job->stop.error : NAN);
+    add_number(answer, "requested_error", view.stop.error > 0 ? view.stop.error : NAN);
     add_number(answer, "predicted_samples", state.predicted_samples);
     glint_answer_json(r, MHD_HTTP_OK, answer);
     glint_jobs_release(r->http->jobs, &view);

@@ -359,22 +359,36 @@ static glint_revision *hold_revision(glint_jobs *jobs, const struct glint_entry 
     return revision;
 }
 
-static glint_status check_look(glint_jobs *jobs, const char *id, const struct glint_look *look,
-                               struct glint_error *err)
+static glint_status check_look(glint_jobs *jobs, const struct glint_entry *entry,
+                               const struct glint_look *look, struct glint_error *err)
 {
-    struct glint_entry *entry = glint_job_table_hold(&jobs->table, id, err);
-    if (!entry)
-        return GLINT_E_NOT_FOUND;
+    if (!entry->job->live)
+        return glint_fail(err, GLINT_E_RANGE, "/camera",
+                          "only the camera of a live job can be moved");
     glint_revision *revision = hold_revision(jobs, entry);
     const struct glint_job job = glint_look_apply(look, entry->job);
     glint_status st = glint_revision_load(revision, err);
     if (!st)
-        st = entry->job->live ? glint_admit_camera(revision, &job, err)
-                              : glint_fail(err, GLINT_E_RANGE, "/camera",
-                                           "only the camera of a live job can be moved");
+        st = glint_admit_camera(revision, &job, err);
     glint_revision_release(&revision);
-    glint_entry_release(&entry);
     return st;
+}
+
+// What cannot be asked of this job, though it could of another.
+static glint_status check_patch(glint_jobs *jobs, const char *id,
+                                const struct glint_job_patch *patch, struct glint_error *err)
+{
+    struct glint_entry *entry = glint_job_table_hold(&jobs->table, id, err);
+    if (!entry)
+        return GLINT_E_NOT_FOUND;
+    glint_status st = GLINT_OK, looks = GLINT_OK;
+    if (entry->job->live && patch->has_error && patch->stop.error > 0)
+        st = glint_fail(err, GLINT_E_RANGE, "/stop/error",
+                        "a live job stops by samples or seconds, not by its error");
+    if (patch->look)
+        looks = check_look(jobs, entry, patch->look, err);
+    glint_entry_release(&entry);
+    return st ? st : looks;
 }
 
 static void note_patched(glint_jobs *jobs, const char *id)
@@ -404,8 +418,8 @@ glint_status glint_jobs_patch(glint_jobs *jobs, const char *id, const char *text
 {
     struct glint_command c = {.kind = GLINT_COMMAND_PATCH, .err = err};
     glint_status st = glint_job_patch_parse(&c.patch, text, length, err);
-    if (!st && c.patch.look)
-        st = check_look(jobs, id, c.patch.look, err);
+    if (!st)
+        st = check_patch(jobs, id, &c.patch, err);
     if (!st && glint_job_patch_stops(&c.patch))
         st = load_scene(jobs, id, err);
     if (!st)
@@ -444,6 +458,7 @@ glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_
     *out = (struct glint_job_view){.render = entry->render,
                                    .state = entry->state,
                                    .job = entry->job,
+                                   .stop = entry->stop,
                                    .sequence = entry->sequence,
                                    .hold = entry};
     entry->views += entry->render != NULL;

@@ -132,6 +132,7 @@ struct glint_job_view {
     glint_render *render; // NULL: the job ended before it had one
     enum glint_job_state state;
     const struct glint_job *job;
+    struct glint_job_stop stop; // as it is now, the job's own or another since
     char revision[65];
     uint64_t sequence; // grows with every change of this job
     void *hold;

@@ -152,6 +152,7 @@ static void a_camera_is_for_live_jobs_and_must_exist(void **state)
     assert_int_equal(fixture_patch(&f, batch, "{'camera': 'Front'}"), GLINT_E_RANGE);
     assert_int_equal(fixture_patch(&f, live, "{'camera': 'Back'}"), GLINT_E_RANGE);
     assert_int_equal(fixture_patch(&f, live, "{'camera': 3}"), GLINT_E_RANGE);
+    assert_int_equal(fixture_patch(&f, live, "{'stop': {'error': 0.1}}"), GLINT_E_RANGE);
     assert_int_equal(fixture_patch(&f, live, "{'camera': 'Front'}"), GLINT_OK);
     assert_int_equal(fixture_patch(&f, live, "{'camera': null}"), GLINT_OK);
     fixture_stop(&f);
