@@ -50,7 +50,8 @@ static void print_overview(FILE *out)
 
 static void print_help(const struct glint_command *c)
 {
-    printf("Usage: glint %s [OPTION]... %s\n%s.\n", c->name, c->operands, c->summary);
+    printf("Usage: glint %s [OPTION]...%s%s\n%s.\n", c->name, *c->operands ? " " : "", c->operands,
+           c->summary);
     if (c->detail)
         printf("\n%s\n", c->detail);
     puts("\nOptions:");
