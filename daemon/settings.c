@@ -174,10 +174,9 @@ static glint_status read_file(struct glint_settings *s, const char *file, struct
 {
     struct glint_config config;
     glint_status st = glint_config_read(&config, file, err);
-    if (!st)
-        st = set_lines(s, &config, file, err);
+    const glint_status set = set_lines(s, &config, file, err);
     glint_config_finish(&config);
-    return st;
+    return st ? st : set;
 }
 
 // "FOLDER/NAME" of the folder that the environment names, if the file is there. malloc'd or NULL.

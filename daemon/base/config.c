@@ -109,8 +109,6 @@ glint_status glint_config_parse(struct glint_config *out, const char *name, cons
         st = st ? st : one;
     }
     free(copy);
-    if (st)
-        glint_config_finish(out);
     return st;
 }
 

@@ -24,7 +24,7 @@ struct glint_config {
     size_t count;
 };
 
-// The file's lines; on failure none, and each fault is named.
+// The file's lines; on failure those that are in order, and each fault is named.
 //   GLINT_E_IO     the file cannot be read, is larger than GLINT_CONFIG_BYTES, or everybody may
 //                  write it
 //   GLINT_E_RANGE  a line is malformed, a key stands twice

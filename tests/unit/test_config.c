@@ -35,7 +35,7 @@ static void lines_are_keys_and_values_without_blanks_and_comments(void **state)
     glint_config_finish(&config);
 }
 
-static void every_fault_is_named_with_its_line_and_nothing_is_kept(void **state)
+static void every_fault_is_named_with_its_line_and_the_rest_is_read(void **state)
 {
     (void)state;
     static const char text[] = "good = 1\n"
@@ -51,7 +51,7 @@ static void every_fault_is_named_with_its_line_and_nothing_is_kept(void **state)
     struct glint_config config;
     struct glint_error err = {0};
     assert_int_equal(parse(&config, text, &err), GLINT_E_RANGE);
-    assert_int_equal(config.count, 0);
+    assert_int_equal(config.count, 1);
     assert_int_equal(err.count, 9);
     for (unsigned i = 0; i < 9; i++) {
         char where[8];
@@ -60,6 +60,7 @@ static void every_fault_is_named_with_its_line_and_nothing_is_kept(void **state)
     }
     assert_non_null(strstr(err.fault[5].detail, "line 1"));
     glint_error_finish(&err);
+    glint_config_finish(&config);
 }
 
 static void what_is_no_text_is_refused(void **state)
@@ -83,8 +84,7 @@ static void any_cut_of_a_hostile_file_is_taken_or_refused(void **state)
             char *exact = malloc(to - from + 1); // so that a sanitizer sees a step too far
             memcpy(exact, text + from, to - from);
             struct glint_config config;
-            if (glint_config_parse(&config, "f", exact, to - from, NULL))
-                assert_int_equal(config.count, 0);
+            glint_config_parse(&config, "f", exact, to - from, NULL);
             glint_config_finish(&config);
             free(exact);
         }
@@ -157,7 +157,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lines_are_keys_and_values_without_blanks_and_comments),
-        cmocka_unit_test(every_fault_is_named_with_its_line_and_nothing_is_kept),
+        cmocka_unit_test(every_fault_is_named_with_its_line_and_the_rest_is_read),
         cmocka_unit_test(what_is_no_text_is_refused),
         cmocka_unit_test(any_cut_of_a_hostile_file_is_taken_or_refused),
         cmocka_unit_test(a_file_that_everybody_may_write_or_that_is_none_is_refused),
