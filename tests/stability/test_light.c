@@ -66,21 +66,18 @@ static struct glint_frame *uneven_lamps(double scale)
         stable_job("'camera':'r','resolution':[32,32],'max_bounces':4,'stop':{'samples':32}"));
 }
 
-// A sum of radiances below 2^-78 has lost words of its expansion to underflow: there it is right to
-// the last bit or the one before.
+// Upwards further than down: a sum takes what is below 2^-100 for nothing (gk_film.h).
 static void lights_thirty_decades_apart_scale_by_bits(void **state)
 {
     (void)state;
     struct glint_frame *base = uneven_lamps(1.0);
     assert_true(stable_mean(base, "G").mean > 0.0);
     assert_true(stable_most(base, "G") < 1e-19); // nothing of the bright room
-    for (int k = -30; k <= 30; k += 60) {
+    for (int k = -10; k <= 30; k += 40) {
         struct glint_frame *f = uneven_lamps(ldexp(1.0, k));
         const float *p = glint_frame_find(base, "G"), *q = glint_frame_find(f, "G");
-        for (size_t i = 0; i < stable_pixels(f); i++) {
-            const double scaled = ldexp(p[i], k), bound = k < 0 ? 0x1p-23 * scaled : 0.0;
-            assert_true(fabs(q[i] - scaled) <= bound);
-        }
+        for (size_t i = 0; i < stable_pixels(f); i++)
+            assert_true(q[i] == ldexpf(p[i], k));
         glint_frame_destroy(&f);
     }
     glint_frame_destroy(&base);
