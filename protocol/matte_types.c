@@ -1,6 +1,7 @@
 #include "protocol/matte_types.h"
 
 #include <stdio.h>
+#include <string.h>
 
 static const char *const layer_name[GLINT_MATTE_LAYERS] = {"Object", "Material", "Asset"};
 static const char *const layer_type[GLINT_MATTE_LAYERS] = {"CryptoObject", "CryptoMaterial",
@@ -20,14 +21,25 @@ uint32_t glint_matte_classes(const struct glint_job *job)
     return job->matte_depth_bins ? job->matte_depth_bins : job->matte_classes ? 2 : 1;
 }
 
+static const char *const class_name[] = {"primary", "glossy", "reflection", "refraction", "depth0",
+                                         "depth1",  "depth2", "depth3",     "depth4",     "depth5",
+                                         "depth6",  "depth7", "depth8",     "depth9"};
+enum { GLOSSY = 1, REFLECTION = 2, DEPTH = 4 };
+
 const char *glint_matte_class_name(const struct glint_job *job, uint32_t c)
 {
-    static const char *const bounced[] = {"reflection", "refraction"};
-    static const char *const depth[] = {"depth0", "depth1", "depth2", "depth3", "depth4",
-                                        "depth5", "depth6", "depth7", "depth8", "depth9"};
     if (c == 0 || c > glint_matte_classes(job))
-        return c ? NULL : "primary";
-    return job->matte_depth_bins ? depth[c - 1] : job->matte_classes ? bounced[c - 1] : "glossy";
+        return c ? NULL : class_name[0];
+    const uint32_t first = job->matte_depth_bins ? DEPTH : job->matte_classes ? REFLECTION : GLOSSY;
+    return class_name[first + c - 1];
+}
+
+bool glint_matte_class_exists(const char *name, size_t length)
+{
+    for (size_t i = 0; i < sizeof class_name / sizeof *class_name; i++)
+        if (strlen(class_name[i]) == length && !strncmp(class_name[i], name, length))
+            return true;
+    return false;
 }
 
 static void name_type(const struct glint_job *job, struct glint_matte_type *t)

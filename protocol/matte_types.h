@@ -34,6 +34,9 @@ const char *glint_matte_layer_type(enum glint_matte_layer layer);
 // "depth0" to "depth9"; NULL: the job has no such class.
 const char *glint_matte_class_name(const struct glint_job *job, uint32_t class_of_it);
 
+// Whether any job could have a class so called; length: of the name.
+bool glint_matte_class_exists(const char *name, size_t length);
+
 // Classes above 0 that the job tells apart: 0 where nothing goes through bounces.
 uint32_t glint_matte_classes(const struct glint_job *job);
 

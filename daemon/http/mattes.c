@@ -106,6 +106,19 @@ static uint32_t class_bit(const struct glint_job *job, const char *name, size_t 
     return 0;
 }
 
+static void check_through(const struct glint_request *r, struct glint_error *err)
+{
+    for (const char *at = glint_request_query(r, "through"); at;) {
+        const size_t length = strcspn(at, ",");
+        if (!glint_matte_class_exists(at, length))
+            glint_fail(err, GLINT_E_RANGE, "",
+                       "through: %.*s is not one of primary, glossy, reflection, refraction, "
+                       "depth0 to depth9",
+                       (int)(length < 40 ? length : 40), at);
+        at = at[length] ? at + length + 1 : NULL;
+    }
+}
+
 // The classes that `through` lists, as bits; what is seen directly where it is not there.
 static uint32_t read_through(const struct glint_request *r, const struct glint_job *job,
                              struct glint_error *err)
@@ -135,6 +148,7 @@ static struct glint_frame *open_matte(struct glint_request *r)
     int layer = GLINT_MATTE_OBJECT;
     glint_query_check(r, &err);
     glint_query_choice(r, "layer", layer_name, &layer, &err);
+    check_through(r, &err);
     for (size_t i = 0; i < r->parameters; i++)
         if (!strcmp(r->parameter[i].name, "name"))
             name[names++] = r->parameter[i].value;

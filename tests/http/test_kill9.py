@@ -9,7 +9,7 @@ import tap
 
 def test_nothing_accepted_is_lost_by_kills():
     program = os.path.join(os.path.dirname(os.path.abspath(__file__)), "kill9")
-    done = subprocess.run([sys.executable, program, "--kills", "6"], text=True,
+    done = subprocess.run([sys.executable, program, "--kills", "6", "--slack", "10"], text=True,
                           env={**os.environ, "GLINTD": daemon.GLINTD}, timeout=600,
                           stdout=subprocess.PIPE, check=False)
     print(done.stdout)

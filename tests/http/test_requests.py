@@ -123,8 +123,8 @@ def test_a_trace_is_continued_in_the_answer_and_the_log():
             trace, span, sampled = trace_of(answer)
             assert (trace, sampled) == (TRACE, kept) and span != SPAN
         assert daemon.stop() == 0
-        lines = [line for line in daemon.logged().splitlines() if f"trace {TRACE}" in line]
-        assert len(lines) == 4 and all("answered 404" in line for line in lines), daemon.logged()
+        lines = [line for line in daemon.logged().splitlines() if f"trace={TRACE}" in line]
+        assert len(lines) == 4 and all(": 404, " in line for line in lines), daemon.logged()
 
 
 def test_a_trace_that_is_missing_or_malformed_begins_anew():

@@ -6,7 +6,7 @@ n=0
 for header in protocol/*.h daemon/*.h daemon/*/*.h kernels/*.h clients/*/*.h; do
     [ -f "$header" ] || continue
     n=$((n + 1))
-    if (cd "$build" && echo "#include \"$header\"" | $GLINT_COMPILE -x c -fsyntax-only -); then
+    if (cd "$build" && echo "#include \"$header\"" | eval "$GLINT_COMPILE" -x c -fsyntax-only -); then
         echo "ok $n - $header compiles alone"
     else
         echo "not ok $n - $header compiles alone"
