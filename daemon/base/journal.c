@@ -6,10 +6,12 @@
 #include "base/storage.h"
 #include "base/thread.h"
 
+#include <fcntl.h>
 #include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define REQUESTS 256     // that wait; who comes later waits for room
 #define BUSY_MILLIS 5000 // for somebody who looks into the database by hand
@@ -388,6 +390,10 @@ static bool can_write(glint_journal *j)
 static glint_status open_database(glint_journal *j, struct glint_error *err)
 {
     bool empty;
+    // The library would let everybody read it. Where this fails, its own word says why.
+    const int fd = open(j->path, O_RDWR | O_CREAT | O_CLOEXEC, 0640);
+    if (fd >= 0)
+        close(fd);
     if (sqlite3_open_v2(j->path, &j->db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, NULL))
         return glint_fail(err, GLINT_E_IO, "", "%s: %s", j->path, sqlite3_errmsg(j->db));
     sqlite3_extended_result_codes(j->db, 1);
