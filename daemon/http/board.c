@@ -54,14 +54,24 @@ struct glint_boards {
     uint64_t start;
 };
 
+// Later than every version of a daemon before, also of one that ended within this second.
+static uint64_t first_version(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    if (now.tv_sec < FIRST_SECOND)
+        return 0;
+    const uint64_t part = ((uint64_t)now.tv_nsec << VERSIONS_A_SECOND) / 1000000000;
+    return ((uint64_t)(now.tv_sec - FIRST_SECOND) << VERSIONS_A_SECOND) + part;
+}
+
 glint_status glint_boards_create(glint_boards **out, struct glint_error *err)
 {
     *out = calloc(1, sizeof **out);
     if (!*out)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for tile streams");
     pthread_mutex_init(&(*out)->mutex, NULL);
-    const time_t now = time(NULL);
-    (*out)->start = now > FIRST_SECOND ? (uint64_t)(now - FIRST_SECOND) << VERSIONS_A_SECOND : 0;
+    (*out)->start = first_version();
     return GLINT_OK;
 }
 

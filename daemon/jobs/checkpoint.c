@@ -257,7 +257,6 @@ static void round_of(struct glint_checkpoints *c, bool ended, bool all, double s
     free(entry);
 }
 
-
 static void *run(void *arg)
 {
     glint_checkpoints *c = arg;
@@ -290,7 +289,8 @@ static void warn_of_film(struct glint_checkpoints *c, struct glint_entry *e, uin
 {
     const struct glint_checkpoint_file file = file_of(c, e, number);
     const char *suffix = st == GLINT_E_VERSION ? ".newer" : ".torn";
-    if (st != GLINT_E_NOT_FOUND) {
+    // A lack of memory or descriptors is no fault of the file, which stays.
+    if (st == GLINT_E_SYNTAX || st == GLINT_E_RANGE || st == GLINT_E_VERSION) {
         atomic_fetch_sub(&c->bytes, glint_checkpoint_file_bytes(&file));
         glint_checkpoint_file_put_aside(&file, suffix);
     }
