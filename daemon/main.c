@@ -95,8 +95,10 @@ static glint_status start_threads(struct glint_house *h, struct glint_error *err
         st = glint_store_create(&h->store, h->devices, h->importer, &limits, h->keeper, err);
     if (!st)
         st = glint_jobs_create(&h->jobs, h->devices, h->store, &h->settings.jobs, h->keeper, err);
-    if (!st)
+    if (!st) {
         glint_jobs_set_checkpoint(h->jobs, h->settings.checkpoint_seconds);
+        glint_jobs_set_film_disk(h->jobs, h->settings.film_bytes);
+    }
     if (!st)
         st = glint_store_begin(h->store, err); // once the jobs have said what they need
     if (!st)

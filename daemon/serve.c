@@ -46,6 +46,7 @@ static void apply(struct glint_house *h, struct glint_settings *settings)
     glint_log_filter(h->settings.log_level, h->settings.debug);
     glint_jobs_set_limits(h->jobs, &h->settings.jobs);
     glint_jobs_set_checkpoint(h->jobs, h->settings.checkpoint_seconds);
+    glint_jobs_set_film_disk(h->jobs, h->settings.film_bytes);
     glint_http_set_limits(h->http, &h->settings.http);
 }
 

@@ -48,6 +48,7 @@ static const struct row {
     {"tls_key", TEXT, AT(tls_key), .fixed = false},
     {"checkpoint_seconds", SECONDS, AT(checkpoint_seconds), .low = 0.1, .high = 86400},
     {"drain_seconds", SECONDS, AT(drain_seconds), .low = 0, .high = 3600},
+    {"film_bytes", BYTES, AT(film_bytes), .low = 1 << 20, .high = 1024 * 1024 * GIB},
     {"memory_bytes", BYTES, AT(jobs.memory_bytes), .low = 1 << 20, .high = 1024 * 1024 * GIB},
     {"live_jobs", COUNT, AT(jobs.live_jobs), .low = 1, .high = 4096},
     {"ended_jobs", COUNT, AT(jobs.ended_jobs), .low = 1, .high = 1e6},

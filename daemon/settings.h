@@ -20,6 +20,7 @@ struct glint_settings {
     char *debug; // NULL: $GLINT_DEBUG
     char *token_file, *tls_cert, *tls_key;
     double checkpoint_seconds, drain_seconds;
+    size_t film_bytes; // on the disk, 0: half of what is free
     struct glint_jobs_limits jobs;
     struct glint_http_limits http;
 };
