@@ -100,7 +100,8 @@ web_sources = \
 	clients/web/tone.js \
 	clients/web/upload.js \
 	clients/web/viewport.js
-EXTRA_DIST += $(web_sources) docs/viewer/convergence.jpg docs/viewer/mattes.jpg docs/viewer/plan.jpg
+EXTRA_DIST += $(web_sources) docs/viewer/convergence.jpg docs/viewer/live.jpg \
+	docs/viewer/live.json docs/viewer/mattes.jpg docs/viewer/plan.jpg
 
 clients/web/embedded.c: $(web_sources) build-aux/embed.awk
 	$(AM_V_GEN)$(MKDIR_P) clients/web

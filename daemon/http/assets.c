@@ -1,7 +1,7 @@
 // assets.c - bytes that native scenes name by hash.
+#include "base/sha256.h"
 #include "http/answer.h"
 #include "http/resources.h"
-#include "base/sha256.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -55,8 +55,7 @@ static glint_status keep(struct glint_request *r, const struct glint_asset *asse
     if (!memory)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for an asset");
     r->body.bytes = NULL;
-    const glint_status st =
-        glint_store_put_asset(r->http->store, asset, memory, created, err);
+    const glint_status st = glint_store_put_asset(r->http->store, asset, memory, created, err);
     glint_memory_ref_release(&memory);
     return st;
 }

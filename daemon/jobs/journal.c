@@ -128,8 +128,7 @@ glint_status glint_job_row_add(glint_journal *journal, const struct glint_entry 
                   glint_value_text(e->job->scene), glint_value_text(glint_revision_id(e->revision)),
                   glint_value_text(e->client), glint_value_text(e->request),
                   glint_value_text(e->key), glint_value_text(e->created),
-                  glint_value_real(glint_wall_clock()),
-                  glint_value_integer((int64_t)e->need.film),
+                  glint_value_real(glint_wall_clock()), glint_value_integer((int64_t)e->need.film),
                   glint_value_integer((int64_t)e->need.scene), glint_value_text(warnings),
                   glint_value_text(glint_job_state_name(GLINT_JOB_QUEUED))},
         .values = 13};

@@ -143,8 +143,8 @@ static struct glint_entry *recall(glint_checkpoints *c, glint_store *store,
     atomic_init(&e->abandoned, false);
     e->keeper = c;
     if (fill(e, row, store, &err)) {
-        glint_log(GLINT_LOG_ERROR, "jobs", row->id, NULL, "its row and films are left as they are: %s",
-                  glint_error_text(&err));
+        glint_log(GLINT_LOG_ERROR, "jobs", row->id, NULL,
+                  "its row and films are left as they are: %s", glint_error_text(&err));
         glint_entry_release(&e);
     }
     glint_error_finish(&err);

@@ -2,9 +2,9 @@
 #include "scene/import_helper.h"
 
 #include "base/clock.h"
+#include "base/sha256.h"
 #include "scene/import_child.h"
 #include "scene/import_jail.h"
-#include "base/sha256.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,9 +1,9 @@
 // import_native.c - native scenes: pictures in data URIs become assets before the parse.
+#include "base/sha256.h"
 #include "protocol/json.h"
 #include "scene/data_uri.h"
 #include "scene/image_decode.h"
 #include "scene/import_child.h"
-#include "base/sha256.h"
 
 #include <stdio.h>
 #include <stdlib.h>

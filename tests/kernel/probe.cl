@@ -156,10 +156,9 @@ GK_INLINE void probe_matte(gk_u32 i, GK_GLOBAL gk_u64 *table, GK_GLOBAL gk_u64 *
 {
     for (gk_u32 k = 0; k < 1000; k++) {
         const gk_u32 bits = gk_mix32(i * 1000u + k);
-        lost[i] +=
-            gk_matte_deposit(table + i * PROBE_SLOTS, PROBE_SLOTS, 1u + (bits >> 8) % 20u,
-                             bits & 1u, gk_matte_units(probe_uniform(i, k)), GK_MATTE_DIRECT_FIRST,
-                             bits);
+        lost[i] += gk_matte_deposit(table + i * PROBE_SLOTS, PROBE_SLOTS, 1u + (bits >> 8) % 20u,
+                                    bits & 1u, gk_matte_units(probe_uniform(i, k)),
+                                    GK_MATTE_DIRECT_FIRST, bits);
     }
 }
 

@@ -1,6 +1,6 @@
+#include "base/sha256.h"
 #include "scene/assets.h"
 #include "scene/form.h"
-#include "base/sha256.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

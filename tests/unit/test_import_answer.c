@@ -1,5 +1,5 @@
-#include "scene/import_answer.h"
 #include "base/sha256.h"
+#include "scene/import_answer.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
