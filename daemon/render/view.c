@@ -25,6 +25,12 @@ static glint_status choose_camera(struct glint_view *v, struct glint_error *err)
                       v->job.camera_name ? v->job.camera_name : "");
 }
 
+_Static_assert((int)GLINT_EVICTION_DROP == GK_MATTE_DROP &&
+                   (int)GLINT_EVICTION_DIRECT_FIRST == GK_MATTE_DIRECT_FIRST &&
+                   (int)GLINT_EVICTION_USS == GK_MATTE_USS &&
+                   (int)GLINT_EVICTION_USS_DIRECT_FIRST == GK_MATTE_USS_DIRECT_FIRST,
+               "settings of the dial are the kernels' policies");
+
 static void fill_wave_job(struct glint_view *v)
 {
     v->wave_job.plan = &v->plan;
@@ -33,7 +39,7 @@ static void fill_wave_job(struct glint_view *v)
     v->wave_job.interrupted = &v->render->interrupted;
     v->wave_job.frame = v->frame;
     v->wave_job.matte_slots = v->job.matte_slots;
-    v->wave_job.matte_policy = v->job.dial[GLINT_DIAL_EVICTION]; // GK_MATTE_* has their order
+    v->wave_job.matte_policy = v->job.dial[GLINT_DIAL_EVICTION];
     v->wave_job.matte_through = glint_plan_has(&v->plan, GLINT_PASS_COVERAGE) &&
                                 v->job.dial[GLINT_DIAL_THROUGH] != GLINT_THROUGH_NONE;
     v->wave_job.plain = v->plain;

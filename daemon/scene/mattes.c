@@ -95,11 +95,11 @@ glint_status glint_resident_build_mattes(struct glint_resident *r, struct glint_
                         capacity);
     if (!st)
         assign_keys(r, named);
-    if (!st && r->mattes - 1 > GK_MATTE_MAX_KEY)
+    if (!st && r->mattes - 1 > GK_MATTE_BASE_KEY)
         st = glint_fail(err, GLINT_E_RANGE, "/instances",
                         "%u combinations of object, material and asset are "
                         "more than the %u that mattes tell apart",
-                        r->mattes - 2, GK_MATTE_MAX_KEY - 1);
+                        r->mattes - 2, GK_MATTE_BASE_KEY - 1);
     if (!st)
         append_unused(r, used);
     free(named);

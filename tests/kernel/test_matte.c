@@ -44,6 +44,17 @@ static void packing_keeps_every_field(void **state)
     assert_true(gk_matte_amount(slot) == 7 && gk_matte_direct(slot) == 0);
 }
 
+// The last matte that a scene may have, in the last class.
+static void a_class_does_not_run_into_its_matte(void **state)
+{
+    (void)state;
+    const gk_u32 key = gk_matte_of_class(GK_MATTE_BASE_KEY, 15);
+    assert_int_equal(key, GK_MATTE_MAX_KEY);
+    assert_int_equal(gk_matte_class(key), 15);
+    assert_int_equal(key & GK_MATTE_BASE_KEY, GK_MATTE_BASE_KEY);
+    assert_int_equal(gk_matte_class(GK_MATTE_BASE_KEY), 0);
+}
+
 static void deposits_of_one_key_add_up(void **state)
 {
     (void)state;
@@ -347,6 +358,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packing_keeps_every_field),
+        cmocka_unit_test(a_class_does_not_run_into_its_matte),
         cmocka_unit_test(deposits_of_one_key_add_up),
         cmocka_unit_test(nothing_deposited_takes_no_slot),
         cmocka_unit_test(a_table_holds_as_many_keys_as_it_has_slots),
