@@ -123,6 +123,10 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/checkpoint.h \
 	daemon/jobs/checkpoint_file.c \
 	daemon/jobs/checkpoint_file.h \
+	daemon/jobs/checkpoint_parts.c \
+	daemon/jobs/checkpoint_parts.h \
+	daemon/jobs/checkpoint_read.c \
+	daemon/jobs/checkpoint_sweep.c \
 	daemon/jobs/commands.c \
 	daemon/jobs/crew.c \
 	daemon/jobs/crew.h \

@@ -1,68 +1,21 @@
-#include "jobs/checkpoint.h"
-
 #include "base/clock.h"
 #include "base/log.h"
-#include "base/storage.h"
 #include "base/thread.h"
-#include "jobs/checkpoint_file.h"
+#include "jobs/checkpoint_parts.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define RETRY_SECONDS 5.0 // after a disk took nothing
 
-struct glint_checkpoints {
-    glint_journal *journal;
-    const char *folder;
-    struct glint_job_table *table;
-    void (*written)(void *user);
-    void *user;
-    glint_metric *total, *failures, *seconds_each, *written_bytes, *state_bytes;
-    _Atomic uint64_t bytes; // of all films
-    _Atomic uint64_t share,
-        budget; // that they may have: at most half of the disk, or what was said
-    pthread_t thread;
-    bool started;
-    bool unread; // rows that could not be: whose films there are besides, nobody knows
-
-    pthread_mutex_t mutex; // guards what follows; a leaf
-    pthread_cond_t changed;
-    double seconds; // between films of a job
-    bool ended;     // some entry has
-    bool now;       // all are wanted
-    bool stop;
-};
-
-// ---- what is known of an entry
-
-static void say(struct glint_checkpoints *c, char **at, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-// Exchanges a sentence that the entry's description shows.
-static void say(struct glint_checkpoints *c, char **at, const char *format, ...)
-{
-    char *text = NULL;
-    va_list args;
-    va_start(args, format);
-    if (format && vasprintf(&text, format, args) < 0)
-        text = NULL;
-    va_end(args);
-    pthread_mutex_lock(&c->table->mutex);
-    char *old = *at;
-    *at = text;
-    pthread_mutex_unlock(&c->table->mutex);
-    free(old);
-}
+// ---- trouble
 
 static void not_kept(struct glint_checkpoints *c, struct glint_entry *e, struct glint_error *err)
 {
-    const bool news = !e->kept.trouble;
     glint_metric_add(c->failures, 1);
-    say(c, &e->kept.trouble, "the job is not being kept: %s", glint_error_text(err));
-    if (news)
+    if (!glint_checkpoints_say(c, &e->kept.trouble, "the job is not being kept: %s",
+                               glint_error_text(err)))
         glint_log(GLINT_LOG_ERROR, "jobs", e->id, e->request, "not kept: %s",
                   glint_error_text(err));
     glint_error_finish(err);
@@ -70,15 +23,8 @@ static void not_kept(struct glint_checkpoints *c, struct glint_entry *e, struct 
 
 static void kept_again(struct glint_checkpoints *c, struct glint_entry *e)
 {
-    if (!e->kept.trouble)
-        return;
-    glint_log(GLINT_LOG_INFO, "jobs", e->id, e->request, "kept again");
-    char *old;
-    pthread_mutex_lock(&c->table->mutex);
-    old = e->kept.trouble;
-    e->kept.trouble = NULL;
-    pthread_mutex_unlock(&c->table->mutex);
-    free(old);
+    if (glint_checkpoints_say(c, &e->kept.trouble, NULL))
+        glint_log(GLINT_LOG_INFO, "jobs", e->id, e->request, "kept again");
 }
 
 bool glint_checkpoint_complete(const struct glint_entry *e)
@@ -96,24 +42,20 @@ static glint_render *borrow(struct glint_checkpoints *c, struct glint_entry *e)
     return render;
 }
 
-static void give_back(struct glint_checkpoints *c, struct glint_entry *e, glint_render *render)
+static void give_back(struct glint_checkpoints *c, struct glint_entry *e, glint_render *render,
+                      double now)
 {
     pthread_mutex_lock(&c->table->mutex);
     e->views -= render != NULL;
+    e->kept.at = now;
     pthread_mutex_unlock(&c->table->mutex);
 }
 
 // ---- writing
 
-static struct glint_checkpoint_file file_of(const struct glint_checkpoints *c,
-                                            const struct glint_entry *e, uint64_t number)
-{
-    return (struct glint_checkpoint_file){c->folder, e->id, number};
-}
-
 static void remove_film(struct glint_checkpoints *c, const struct glint_entry *e, uint64_t number)
 {
-    const struct glint_checkpoint_file file = file_of(c, e, number);
+    const struct glint_checkpoint_file file = glint_checkpoints_file(c, e, number);
     if (!number)
         return;
     atomic_fetch_sub(&c->bytes, glint_checkpoint_file_bytes(&file));
@@ -121,9 +63,9 @@ static void remove_film(struct glint_checkpoints *c, const struct glint_entry *e
 }
 
 static void note(struct glint_checkpoints *c, struct glint_entry *e,
-                 const struct glint_job_progress *p, uint64_t bytes, double worker_seconds)
+                 const struct glint_job_progress *p, uint64_t bytes)
 {
-    const struct glint_checkpoint_file file = file_of(c, e, p->film);
+    const struct glint_checkpoint_file file = glint_checkpoints_file(c, e, p->film);
     char written[sizeof e->kept.written];
     glint_checkpoint_file_time(&file, written);
     atomic_fetch_add(&c->bytes, bytes);
@@ -133,11 +75,11 @@ static void note(struct glint_checkpoints *c, struct glint_entry *e,
     e->kept.film = p->film;
     e->kept.film_before = p->film_before;
     e->kept.rendered = p->rendered;
+    e->kept.worker_seconds = p->worker_seconds;
     if (glint_state_ended(p->state))
         e->kept.complete = p->sequence;
     const bool removed = e->kept.removed;
     pthread_mutex_unlock(&c->table->mutex);
-    e->kept.worker_seconds = worker_seconds;
     if (removed)
         remove_film(c, e, p->film);
 }
@@ -148,22 +90,21 @@ static glint_status keep_film(struct glint_checkpoints *c, struct glint_entry *e
 {
     struct glint_job_progress p;
     uint64_t bytes = 0;
-    const uint64_t old = e->kept.film, older = e->kept.film_before;
     if (!glint_job_progress_take(&p, c->table, e, render))
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory to keep a job");
+    const uint64_t old = p.film, older = p.film_before;
     const bool ended = glint_state_ended(p.state);
-    const double worker_seconds = p.worker_seconds;
     glint_status st = GLINT_OK;
     if (render) {
         p.film = old + 1;
         p.film_before = ended ? 0 : old;
-        const struct glint_checkpoint_file file = file_of(c, e, p.film);
+        const struct glint_checkpoint_file file = glint_checkpoints_file(c, e, p.film);
         st = glint_checkpoint_file_write(&file, render, &bytes, err);
     }
     if (!st)
         st = glint_job_row_set(c->journal, e->id, &p, err);
     if (!st) {
-        note(c, e, &p, bytes, worker_seconds);
+        note(c, e, &p, bytes);
         if (render)
             remove_film(c, e, older);
         if (render && ended)
@@ -179,8 +120,8 @@ static bool checkpoint(struct glint_checkpoints *c, struct glint_entry *e)
     const double start = glint_now();
     glint_render *render = borrow(c, e);
     const glint_status st = keep_film(c, e, render, &err);
-    give_back(c, e, render);
-    e->kept.at = glint_now();
+    const double end = glint_now();
+    give_back(c, e, render, end);
     if (st) {
         not_kept(c, e, &err);
         return false;
@@ -188,50 +129,57 @@ static bool checkpoint(struct glint_checkpoints *c, struct glint_entry *e)
     kept_again(c, e);
     if (render) {
         glint_metric_add(c->total, 1);
-        glint_metric_observe(c->seconds_each, e->kept.at - start);
-        glint_log(GLINT_LOG_DEBUG, "jobs", e->id, e->request, "film %llu written in %.3f s",
-                  (unsigned long long)e->kept.film, e->kept.at - start);
+        glint_metric_observe(c->seconds_each, end - start);
+        glint_log(GLINT_LOG_DEBUG, "jobs", e->id, e->request, "film written in %.3f s",
+                  end - start);
     }
     return true;
 }
 
 // ---- whose turn it is
 
-static struct glint_entry **hold_all(struct glint_job_table *table, size_t *count)
-{
-    pthread_mutex_lock(&table->mutex);
-    *count = table->count;
-    struct glint_entry **all = malloc((table->count + 1) * sizeof *all);
-    for (size_t i = 0; all && i < table->count; i++)
-        all[i] = glint_entry_retain(table->entry[i]);
-    pthread_mutex_unlock(&table->mutex);
-    if (!all)
-        *count = 0;
-    return all;
-}
-
 struct look {
-    bool ended, complete, has_render;
-    double worker_seconds;
+    bool ended, complete, can; // can: has a render whose film is worth keeping before its end
+    bool news;                 // has rendered since its newest film
+    double at, retry;
 };
 
 static struct look look_at(struct glint_checkpoints *c, const struct glint_entry *e)
 {
     pthread_mutex_lock(&c->table->mutex);
-    const struct look l = {glint_state_ended(e->state), glint_checkpoint_complete(e),
-                           e->render != NULL, e->worker_seconds};
+    const struct look l = {.ended = glint_state_ended(e->state),
+                           .complete = glint_checkpoint_complete(e),
+                           .can = e->render && !e->job->live,
+                           .news = e->worker_seconds != e->kept.worker_seconds,
+                           .at = e->kept.at,
+                           .retry = e->kept.retry};
     pthread_mutex_unlock(&c->table->mutex);
     return l;
 }
 
-static bool is_due(const struct glint_entry *e, const struct look *l, double now, double seconds,
-                   bool all)
+static bool is_due(const struct look *l, double now, double seconds, bool all)
 {
     if (l->ended)
-        return !l->complete && now >= e->kept.retry;
-    if (!l->has_render || e->job->live || l->worker_seconds == e->kept.worker_seconds)
-        return false;
-    return all || now >= e->kept.at + seconds;
+        return !l->complete && now >= l->retry;
+    return l->can && l->news && (all || now >= l->at + seconds);
+}
+
+// Writes what is due of an entry; when something is due again, INFINITY: nothing is.
+static double visit(struct glint_checkpoints *c, struct glint_entry *e, const struct look *l,
+                    bool all, double seconds)
+{
+    if (!is_due(l, glint_now(), seconds, all))
+        return l->ended ? (l->complete ? INFINITY : l->retry) : l->can ? l->at + seconds : INFINITY;
+    const bool kept = checkpoint(c, e);
+    const double retry = kept ? 0 : glint_now() + RETRY_SECONDS;
+    pthread_mutex_lock(&c->table->mutex);
+    e->kept.retry = retry;
+    pthread_mutex_unlock(&c->table->mutex);
+    if (l->ended && kept && c->written)
+        c->written(c->user);
+    if (l->ended)
+        return kept ? INFINITY : retry;
+    return glint_now() + seconds;
 }
 
 // Ended ones come first: they are wanted for good. *next: when something is due again.
@@ -239,19 +187,11 @@ static void round_of(struct glint_checkpoints *c, bool ended, bool all, double s
                      double *next)
 {
     size_t count;
-    struct glint_entry **entry = hold_all(c->table, &count);
+    struct glint_entry **entry = glint_checkpoints_hold(c, &count);
     for (size_t i = 0; i < count; i++) {
-        struct glint_entry *e = entry[i];
-        const struct look l = look_at(c, e);
-        if (l.ended == ended && is_due(e, &l, glint_now(), seconds, all)) {
-            e->kept.retry = checkpoint(c, e) ? 0 : glint_now() + RETRY_SECONDS;
-            if (ended && !e->kept.retry && c->written)
-                c->written(c->user);
-        }
-        if (l.ended && !l.complete && e->kept.retry)
-            *next = fmin(*next, e->kept.retry);
-        if (!l.ended && l.has_render && !e->job->live)
-            *next = fmin(*next, e->kept.at + seconds);
+        const struct look l = look_at(c, entry[i]);
+        if (l.ended == ended)
+            *next = fmin(*next, visit(c, entry[i], &l, all, seconds));
         glint_entry_release(&entry[i]);
     }
     free(entry);
@@ -282,100 +222,7 @@ static void *run(void *arg)
     return NULL;
 }
 
-// ---- reading back
-
-static void warn_of_film(struct glint_checkpoints *c, struct glint_entry *e, uint64_t number,
-                         glint_status st, const char *why)
-{
-    const struct glint_checkpoint_file file = file_of(c, e, number);
-    const char *suffix = st == GLINT_E_VERSION ? ".newer" : ".torn";
-    // A lack of memory or descriptors is no fault of the file, which stays.
-    if (st == GLINT_E_SYNTAX || st == GLINT_E_RANGE || st == GLINT_E_VERSION) {
-        atomic_fetch_sub(&c->bytes, glint_checkpoint_file_bytes(&file));
-        glint_checkpoint_file_put_aside(&file, suffix);
-    }
-    glint_log(GLINT_LOG_ERROR, "jobs", e->id, e->request,
-              "its film %llu cannot be used: %s; the job goes on from an earlier one or anew",
-              (unsigned long long)number, why);
-    say(c, &e->kept.torn, "what was rendered last was lost in a restart: film %llu: %s",
-        (unsigned long long)number, why);
-}
-
-typedef glint_status use(void *user, int fd, struct glint_error *err);
-
-// Hands the newest film that can be used to `with`; false: there is none.
-static bool use_film(struct glint_checkpoints *c, struct glint_entry *e, use *with, void *user)
-{
-    const uint64_t number[2] = {e->kept.film, e->kept.film_before};
-    for (int i = 0; i < 2; i++) {
-        if (!number[i])
-            continue;
-        struct glint_error err = {0};
-        const struct glint_checkpoint_file file = file_of(c, e, number[i]);
-        const int fd = glint_checkpoint_file_open(&file, &err);
-        if (fd >= 0) {
-            with(user, fd, &err);
-            close(fd);
-        }
-        if (!err.status)
-            return true;
-        warn_of_film(c, e, number[i], err.status, glint_error_text(&err));
-        glint_error_finish(&err);
-    }
-    return false;
-}
-
-static glint_status restore(void *user, int fd, struct glint_error *err)
-{
-    return glint_render_restore(user, fd, err);
-}
-
-void glint_checkpoint_restore(struct glint_entry *e, glint_render *render)
-{
-    if (!e->keeper || e->job->live)
-        return;
-    if (use_film(e->keeper, e, restore, render))
-        glint_log(GLINT_LOG_INFO, "jobs", e->id, e->request, "goes on from film %llu",
-                  (unsigned long long)e->kept.film);
-    e->kept.at = glint_now();
-}
-
-static uint64_t newest(struct glint_checkpoints *c, const struct glint_entry *e)
-{
-    pthread_mutex_lock(&c->table->mutex);
-    const uint64_t film = e->kept.film;
-    pthread_mutex_unlock(&c->table->mutex);
-    return film;
-}
-
-// A newer film may take the place of the one that was the newest a moment ago.
-static int open_newest(struct glint_checkpoints *c, struct glint_entry *e, uint64_t number,
-                       struct glint_error *err)
-{
-    for (;;) {
-        const struct glint_checkpoint_file file = file_of(c, e, number);
-        const int fd = glint_checkpoint_file_open(&file, NULL);
-        const uint64_t now = newest(c, e);
-        if (fd >= 0 || now == number)
-            return fd >= 0 ? fd : glint_checkpoint_file_open(&file, err);
-        number = now;
-    }
-}
-
-glint_status glint_checkpoint_open(struct glint_entry *e, glint_render **out,
-                                   struct glint_error *err)
-{
-    const uint64_t number = e->keeper ? newest(e->keeper, e) : 0;
-    *out = NULL;
-    if (!number)
-        return GLINT_OK;
-    const int fd = open_newest(e->keeper, e, number, err);
-    if (fd < 0)
-        return GLINT_E_IO;
-    const glint_status st = glint_render_open(out, fd, err);
-    close(fd);
-    return st;
-}
+// ---- what others ask for
 
 void glint_checkpoint_remove(struct glint_entry *e)
 {
@@ -400,76 +247,9 @@ void glint_checkpoint_note(struct glint_entry *e)
     p.resumed = !glint_state_ended(p.state);
     if (glint_job_row_set(c->journal, e->id, &p, &err))
         not_kept(c, e, &err);
+    else
+        kept_again(c, e);
     glint_job_progress_finish(&p);
-}
-
-struct sweep {
-    struct glint_checkpoints *c;
-    struct glint_entry **entry;
-    size_t count;
-};
-
-// The entry that has this film, or NULL.
-static struct glint_entry *owner_of(const struct sweep *s, const struct glint_checkpoint_file *file)
-{
-    for (size_t i = 0; i < s->count; i++) {
-        const struct glint_job_kept *kept = &s->entry[i]->kept;
-        if (!strcmp(s->entry[i]->id, file->job))
-            return file->number && (kept->film == file->number || kept->film_before == file->number)
-                       ? s->entry[i]
-                       : NULL;
-    }
-    return NULL;
-}
-
-static void count_film(const struct sweep *s, struct glint_entry *e,
-                       const struct glint_checkpoint_file *file)
-{
-    atomic_fetch_add(&s->c->bytes, glint_checkpoint_file_bytes(file));
-    char written[sizeof e->kept.written];
-    glint_checkpoint_file_time(file, written);
-    pthread_mutex_lock(&s->c->table->mutex);
-    if (e->kept.film == file->number)
-        memcpy(e->kept.written, written, sizeof written);
-    pthread_mutex_unlock(&s->c->table->mutex);
-}
-
-static bool ends_with(const char *name, const char *suffix)
-{
-    const size_t n = strlen(name), m = strlen(suffix);
-    return n > m && !strcmp(name + n - m, suffix);
-}
-
-static void sweep_file(void *user, const char *name)
-{
-    const struct sweep *s = user;
-    char job[33], path[4096];
-    uint64_t number = 0;
-    const bool film = glint_checkpoint_file_parse(name, job, &number);
-    const struct glint_checkpoint_file file = {s->c->folder, job, number};
-    snprintf(path, sizeof path, "%s/%s", s->c->folder, name);
-    struct glint_entry *owner = film ? owner_of(s, &file) : NULL;
-    if (owner)
-        count_film(s, owner, &file);
-    else if ((film && !s->c->unread) || ends_with(name, ".new"))
-        unlink(path);
-}
-
-void glint_checkpoints_spare(glint_checkpoints *c)
-{
-    c->unread = true;
-}
-
-void glint_checkpoints_sweep(glint_checkpoints *c)
-{
-    struct sweep s = {.c = c};
-    s.entry = hold_all(c->table, &s.count);
-    if (s.entry)
-        glint_checkpoint_files_list(c->folder, sweep_file, &s);
-    for (size_t i = 0; i < s.count; i++)
-        glint_entry_release(&s.entry[i]);
-    free(s.entry);
-    atomic_store(&c->share, (glint_storage_free(c->folder) + atomic_load(&c->bytes)) / 2);
 }
 
 uint64_t glint_checkpoints_excess(glint_checkpoints *c)

@@ -64,8 +64,7 @@ void glint_checkpoints_spare(glint_checkpoints *checkpoints);
 // Removes every file that no entry of the table has, but for those put aside.
 void glint_checkpoints_sweep(glint_checkpoints *checkpoints);
 
-// Whether the memory of an ended entry can be let go: it is on the disk. By the scheduler, or with
-// the table's mutex.
+// Whether the memory of an ended entry can be let go: it is on the disk. With the table's mutex.
 bool glint_checkpoint_complete(const struct glint_entry *entry);
 
 #endif

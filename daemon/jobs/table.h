@@ -38,7 +38,7 @@ struct glint_job_kept {
     bool removed;                       // the job is forgotten: its films go
     char *trouble;                      // why nothing is being kept, NULL: it is
     char *torn;                         // which film could not be read back, NULL: none
-    double worker_seconds, at, retry;   // the writer's: at the last film, when that was, not before
+    double worker_seconds, at, retry;   // at the last film, when that was, not before
 };
 
 struct glint_entry {
