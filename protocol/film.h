@@ -70,15 +70,31 @@ glint_status glint_film_frame(const struct glint_film_source *source, const uint
 struct glint_matte_total {
     const char *name;
     uint32_t id;
-    double coverage;
-}; // pixels covered
-// Every name of the scene with its coverage over the frame by what is in `classes`, bits 1 <<
-// class: 0 is what is seen directly, glint_matte_class_name() says the others. *out malloc'd, the
-// names in the same block. *lost: pixels of coverage, of whatever class, that found no slot.
-// GLINT_E_RANGE without a Cryptomatte output.
-glint_status glint_film_mattes(const struct glint_film_source *source, enum glint_matte_layer layer,
-                               uint32_t classes, struct glint_matte_total **out, size_t *count,
-                               double *lost, struct glint_error *err);
+    double coverage[GLINT_MAX_MATTE_CLASSES]; // pixels, by class
+};
+struct glint_matte_totals {
+    struct glint_matte_total *of[GLINT_MATTE_LAYERS]; // by name; malloc'd, the names in the block
+    size_t count[GLINT_MATTE_LAYERS];
+    double lost; // pixels of coverage, of whatever class, that found no slot
+};
+// Every name of the scene in the layers, bits 1 << layer, with its coverage over the frame by each
+// class. GLINT_E_RANGE without a Cryptomatte output; then, and on any failure, *out is empty.
+glint_status glint_film_mattes(const struct glint_film_source *source, uint32_t layers,
+                               struct glint_matte_totals *out, struct glint_error *err);
+void glint_matte_totals_finish(struct glint_matte_totals *totals);
+
+// What covers a pixel of the display window inside the region: the ranks of each type of those
+// outputs, as many as a frame has.
+struct glint_matte_found {
+    struct glint_matte_type type;
+    const char *name; // "": of nothing in the scene
+    uint32_t id;
+    float coverage;
+};
+// *out malloc'd, the names in the same block.
+glint_status glint_film_pick(const struct glint_film_source *source, uint32_t x, uint32_t y,
+                             uint32_t outputs, struct glint_matte_found **out, size_t *count,
+                             struct glint_error *err);
 
 // Union coverage of the named; an unknown name is GLINT_E_NOT_FOUND at /name. One plane "A".
 glint_status glint_film_matte(const struct glint_film_source *source, enum glint_matte_layer layer,

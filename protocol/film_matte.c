@@ -62,21 +62,20 @@ static glint_status each_pixel(const struct glint_film_source *s, visit_pixel *v
     return GLINT_OK;
 }
 
-struct totals {
-    uint32_t classes;
-    double *key; // [mattes], pixels
+struct sums {
+    double *key[GLINT_MAX_MATTE_CLASSES]; // [mattes], pixels; of the classes that the job has
     double lost;
 };
 
-static void add_totals(const struct glint_film_info *info, const struct covered *at, void *user)
+static void add_sums(const struct glint_film_info *info, const struct covered *at, void *user)
 {
-    struct totals *sum = user;
+    struct sums *sum = user;
     const uint32_t slots = info->job->matte_slots;
     const double unit = 1.0 / ((double)GK_MATTE_ONE * at->samples);
     for (uint32_t s = 0; s < slots; s++) {
         const uint32_t key = gk_matte_key(at->table[s]);
-        if (sum->classes >> gk_matte_class(key) & 1)
-            sum->key[key & GK_MATTE_BASE_KEY] += (double)gk_matte_amount(at->table[s]) * unit;
+        sum->key[gk_matte_class(key)][key & GK_MATTE_BASE_KEY] +=
+            (double)gk_matte_amount(at->table[s]) * unit;
     }
     sum->lost += (double)at->table[slots] * unit;
 }
@@ -87,19 +86,29 @@ static int by_name(const void *a, const void *b)
     return strcmp(p->name, q->name);
 }
 
+static void add_total(struct glint_matte_total *to, const struct glint_matte_total *from)
+{
+    for (uint32_t c = 0; c < GLINT_MAX_MATTE_CLASSES; c++)
+        to->coverage[c] += from->coverage[c];
+}
+
 // Names of the layer with the coverage of their keys; equal names become one. Returns their number.
 static size_t collect(const struct glint_film_info *info, enum glint_matte_layer layer,
-                      const double *key, struct glint_matte_total *out)
+                      const struct sums *sum, struct glint_matte_total *out)
 {
     size_t count = 0, kept = 0;
-    for (uint32_t k = 2; k < info->mattes; k++)
-        if (info->matte[k].id[layer])
-            out[count++] = (struct glint_matte_total){info->matte[k].name[layer],
-                                                      info->matte[k].id[layer], key[k]};
+    for (uint32_t k = 2; k < info->mattes; k++) {
+        if (!info->matte[k].id[layer])
+            continue;
+        struct glint_matte_total *t = &out[count++];
+        *t = (struct glint_matte_total){info->matte[k].name[layer], info->matte[k].id[layer], {0}};
+        for (uint32_t c = 0; c <= glint_matte_classes(info->job); c++)
+            t->coverage[c] = sum->key[c][k];
+    }
     qsort(out, count, sizeof *out, by_name);
     for (size_t i = 0; i < count; i++) {
         if (kept && strcmp(out[kept - 1].name, out[i].name) == 0)
-            out[kept - 1].coverage += out[i].coverage;
+            add_total(&out[kept - 1], &out[i]);
         else
             out[kept++] = out[i];
     }
@@ -122,37 +131,61 @@ static struct glint_matte_total *with_names(const struct glint_matte_total *list
     return out;
 }
 
-static glint_status add_up(const struct glint_film_source *s, enum glint_matte_layer layer,
-                           struct totals *sum, struct glint_matte_total *list,
-                           struct glint_matte_total **out, size_t *count, struct glint_error *err)
+static bool list_layers(const struct glint_film_info *info, uint32_t layers, const struct sums *sum,
+                        struct glint_matte_total *list, struct glint_matte_totals *out)
 {
-    uint32_t fewest;
-    const glint_status st = each_pixel(s, add_totals, sum, &fewest, err);
-    if (st)
-        return st;
-    *count = collect(s->info, layer, sum->key, list);
-    *out = with_names(list, *count);
-    return *out ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for %zu mattes", *count);
+    for (uint32_t l = 0; l < GLINT_MATTE_LAYERS; l++) {
+        if (!(layers >> l & 1))
+            continue;
+        out->count[l] = collect(info, (enum glint_matte_layer)l, sum, list);
+        out->of[l] = with_names(list, out->count[l]);
+        if (!out->of[l])
+            return false;
+    }
+    out->lost = sum->lost;
+    return true;
 }
 
-glint_status glint_film_mattes(const struct glint_film_source *s, enum glint_matte_layer layer,
-                               uint32_t classes, struct glint_matte_total **out, size_t *count,
-                               double *lost, struct glint_error *err)
+static glint_status add_up(const struct glint_film_source *s, uint32_t layers, double *keys,
+                           struct glint_matte_total *list, struct glint_matte_totals *out,
+                           struct glint_error *err)
 {
-    *out = NULL;
-    *count = 0;
+    uint32_t fewest;
+    struct sums sum = {.lost = 0.0};
+    for (uint32_t c = 0; c <= glint_matte_classes(s->info->job); c++)
+        sum.key[c] = keys + c * (s->info->mattes + (size_t)1);
+    const glint_status st = each_pixel(s, add_sums, &sum, &fewest, err);
+    if (st)
+        return st;
+    return list_layers(s->info, layers, &sum, list, out)
+               ? GLINT_OK
+               : glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u mattes", s->info->mattes);
+}
+
+glint_status glint_film_mattes(const struct glint_film_source *s, uint32_t layers,
+                               struct glint_matte_totals *out, struct glint_error *err)
+{
+    *out = (struct glint_matte_totals){.lost = 0.0};
     if (!s->info->coverage)
         return no_coverage(err);
-    const size_t n = s->info->mattes + (size_t)1;
-    struct totals sum = {classes, calloc(n, sizeof *sum.key), 0.0};
+    const size_t n = s->info->mattes + (size_t)1, classes = glint_matte_classes(s->info->job) + 1;
+    double *keys = calloc(n * classes, sizeof *keys);
     struct glint_matte_total *list = malloc(n * sizeof *list);
-    const glint_status st = sum.key && list
-                                ? add_up(s, layer, &sum, list, out, count, err)
+    const glint_status st = keys && list
+                                ? add_up(s, layers, keys, list, out, err)
                                 : glint_fail(err, GLINT_E_NOMEM, "", "no memory for %zu mattes", n);
-    *lost = sum.lost;
-    free(sum.key);
+    free(keys);
     free(list);
+    if (st)
+        glint_matte_totals_finish(out);
     return st;
+}
+
+void glint_matte_totals_finish(struct glint_matte_totals *totals)
+{
+    for (uint32_t l = 0; l < GLINT_MATTE_LAYERS; l++)
+        free(totals->of[l]);
+    *totals = (struct glint_matte_totals){.lost = 0.0};
 }
 
 struct selection {

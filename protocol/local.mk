@@ -31,6 +31,7 @@ libglint_a_SOURCES = \
 	protocol/film_pack.c \
 	protocol/film_pack.h \
 	protocol/film_parts.h \
+	protocol/film_pick.c \
 	protocol/film_rank.c \
 	protocol/film_read.c \
 	protocol/film_same.c \

@@ -14,7 +14,8 @@ enum glint_matte_layer {
     GLINT_MATTE_LAYERS
 };
 
-#define GLINT_MAX_MATTE_TYPES 33
+#define GLINT_MAX_MATTE_CLASSES 11 // what is seen directly, and at most ten bins of depth
+#define GLINT_MAX_MATTE_TYPES (GLINT_MATTE_LAYERS * GLINT_MAX_MATTE_CLASSES)
 
 struct glint_matte_type {
     char name[28]; // "CryptoObject", "CryptoGlossObject", ..; none is a prefix of another

@@ -23,38 +23,28 @@ static cJSON *name_object(const char *name, uint32_t id, double coverage)
     return o;
 }
 
-// Coverage by the names of a layer, of what the paths of one class have brought.
-static glint_status add_class(cJSON *names, const struct glint_job_view *view,
-                              enum glint_matte_layer layer, uint32_t class_of_it, double *lost,
-                              struct glint_error *err)
+static void add_layer(cJSON *layers, const struct glint_job *job,
+                      const struct glint_matte_totals *totals, int layer)
 {
-    struct glint_matte_total *total = NULL;
-    size_t count = 0;
-    const glint_status st =
-        glint_render_mattes(view->render, layer, 1u << class_of_it, &total, &count, lost, err);
-    for (size_t i = 0; !st && i < count; i++) {
-        if (class_of_it == 0)
-            cJSON_AddItemToArray(names, name_object(total[i].name, total[i].id, total[i].coverage));
-        else
-            cJSON_AddNumberToObject(cJSON_GetArrayItem(names, (int)i),
-                                    glint_matte_class_name(view->job, class_of_it),
-                                    total[i].coverage);
-    }
-    free(total);
-    return st;
-}
-
-static glint_status add_layer(cJSON *layers, const struct glint_job_view *view, int layer,
-                              struct glint_error *err)
-{
-    double lost = 0;
     cJSON *o = cJSON_AddObjectToObject(layers, layer_name[layer]);
     cJSON *names = cJSON_AddArrayToObject(o, "names");
-    glint_status st = GLINT_OK;
-    for (uint32_t c = 0; !st && c <= glint_matte_classes(view->job); c++)
-        st = add_class(names, view, (enum glint_matte_layer)layer, c, &lost, err);
-    cJSON_AddNumberToObject(o, "lost", lost);
-    return st;
+    for (size_t i = 0; i < totals->count[layer]; i++) {
+        const struct glint_matte_total *t = &totals->of[layer][i];
+        cJSON *name = name_object(t->name, t->id, t->coverage[0]);
+        for (uint32_t c = 1; c <= glint_matte_classes(job); c++)
+            cJSON_AddNumberToObject(name, glint_matte_class_name(job, c), t->coverage[c]);
+        cJSON_AddItemToArray(names, name);
+    }
+    cJSON_AddNumberToObject(o, "lost", totals->lost);
+}
+
+// Of one layer, or of those that the job has, as bits.
+static uint32_t layers_of(const struct glint_job *job, int only)
+{
+    uint32_t layers = 0;
+    for (int i = 0; layer_name[i]; i++)
+        layers |= (uint32_t)(i == only || (only < 0 && job->outputs & layer_output[i])) << i;
+    return layers;
 }
 
 // GET mattes: names, IDs and pixels covered, of one layer or of all that the job has.
@@ -67,19 +57,20 @@ void glint_http_mattes_list(struct glint_request *r)
     glint_query_choice(r, "layer", layer_name, &only, &err);
     if (!glint_pixels_open(r, &view, &err))
         return;
-    cJSON *answer = cJSON_CreateObject();
-    cJSON *layers = cJSON_AddObjectToObject(answer, "layers");
-    glint_status st = GLINT_OK;
-    for (int i = 0; !st && layer_name[i]; i++)
-        if (i == only || (only < 0 && view.job->outputs & layer_output[i]))
-            st = add_layer(layers, &view, i, &err);
-    glint_jobs_release(r->http->jobs, &view);
-    if (st) {
-        cJSON_Delete(answer);
+    struct glint_matte_totals totals;
+    const uint32_t wanted = layers_of(view.job, only);
+    if (glint_render_mattes(view.render, wanted, &totals, &err)) {
         glint_answer_error(r, &err);
     } else {
+        cJSON *answer = cJSON_CreateObject();
+        cJSON *layers = cJSON_AddObjectToObject(answer, "layers");
+        for (int i = 0; layer_name[i]; i++)
+            if (wanted >> i & 1)
+                add_layer(layers, view.job, &totals, i);
         glint_answer_json(r, MHD_HTTP_OK, answer);
     }
+    glint_matte_totals_finish(&totals);
+    glint_jobs_release(r->http->jobs, &view);
 }
 
 // What was wrong with /layer and /name was wrong with the query, which has no pointers.
@@ -204,83 +195,30 @@ void glint_http_mattes_png(struct glint_request *r)
     answer_matte(r, st, "image/png", bytes, size, &err);
 }
 
-static const char *find_name(const struct glint_matte_total *total, size_t count, uint32_t id)
+// The list of a type, made where it is not there yet.
+static cJSON *list_of(cJSON *out, const struct glint_job *job, const struct glint_matte_type *type)
 {
-    for (size_t i = 0; i < count; i++)
-        if (total[i].id == id)
-            return total[i].name;
-    return "";
-}
-
-// One rank of one type at a pixel. False: the frame has no more ranks.
-static bool read_rank(const struct glint_frame *frame, const char *type, int rank, size_t pixel,
-                      uint32_t *id, float *coverage)
-{
-    char name[40];
-    snprintf(name, sizeof name, "%.27s%02d.%c", type, rank / 2, "RB"[rank % 2]);
-    const float *ids = glint_frame_find(frame, name);
-    name[strlen(name) - 1] = "GA"[rank % 2];
-    const float *coverages = glint_frame_find(frame, name);
-    if (!ids || !coverages)
-        return false;
-    memcpy(id, &ids[pixel], sizeof *id);
-    *coverage = coverages[pixel];
-    return true;
-}
-
-static glint_status pick_type(cJSON *out, const struct glint_job_view *view,
-                              const struct glint_frame *frame, const struct glint_matte_type *type,
-                              size_t pixel, struct glint_error *err)
-{
-    struct glint_matte_total *total = NULL;
-    size_t count = 0;
-    double lost;
-    const glint_status st =
-        glint_render_mattes(view->render, type->layer, 1u, &total, &count, &lost, err);
-    if (st)
-        return st;
-    const char *class_name = glint_matte_class_name(view->job, type->class_of_it);
+    const char *class_name = glint_matte_class_name(job, type->class_of_it);
     cJSON *of_class = cJSON_GetObjectItemCaseSensitive(out, class_name);
     of_class = of_class ? of_class : cJSON_AddObjectToObject(out, class_name);
-    cJSON *list = cJSON_AddArrayToObject(of_class, layer_name[type->layer]);
-    uint32_t id;
-    float coverage;
-    for (int rank = 0; read_rank(frame, type->name, rank, pixel, &id, &coverage); rank++)
-        if (id && coverage > 0)
-            cJSON_AddItemToArray(list, name_object(find_name(total, count, id), id, coverage));
-    free(total);
-    return GLINT_OK;
+    cJSON *list = cJSON_GetObjectItemCaseSensitive(of_class, layer_name[type->layer]);
+    return list ? list : cJSON_AddArrayToObject(of_class, layer_name[type->layer]);
 }
 
-static glint_status pick(struct glint_request *r, const struct glint_job_view *view, uint64_t x,
-                         uint64_t y, struct glint_error *err)
+static cJSON *pick_object(const struct glint_job *job, const struct glint_matte_found *found,
+                          size_t count, uint64_t x, uint64_t y)
 {
-    const uint32_t outputs = view->job->outputs & GLINT_OUT_CRYPTO, *region = view->job->region;
-    if (!outputs)
-        return glint_fail(
-            err, GLINT_E_RANGE, "",
-            "the job has none of the outputs crypto_object, crypto_material, crypto_asset");
-    if (x - region[0] >= region[2] || y - region[1] >= region[3])
-        return glint_fail(err, GLINT_E_RANGE, "", "x, y: %llu, %llu is not in the region",
-                          (unsigned long long)x, (unsigned long long)y);
-    struct glint_frame *frame = NULL;
-    glint_status st = glint_render_frame(view->render, outputs, &frame, NULL, err);
-    if (st)
-        return st;
+    struct glint_matte_type type[GLINT_MAX_MATTE_TYPES];
+    const size_t types = glint_matte_types(job, job->outputs & GLINT_OUT_CRYPTO, type);
     cJSON *answer = cJSON_CreateObject();
     cJSON_AddNumberToObject(answer, "x", (double)x);
     cJSON_AddNumberToObject(answer, "y", (double)y);
-    struct glint_matte_type type[GLINT_MAX_MATTE_TYPES];
-    const size_t types = glint_matte_types(view->job, outputs, type);
-    const size_t pixel = (size_t)(y - region[1]) * frame->width + (size_t)(x - region[0]);
-    for (size_t t = 0; !st && t < types; t++)
-        st = pick_type(answer, view, frame, &type[t], pixel, err);
-    glint_frame_destroy(&frame);
-    if (!st)
-        glint_answer_json(r, MHD_HTTP_OK, answer);
-    else
-        cJSON_Delete(answer);
-    return st;
+    for (size_t t = 0; t < types; t++)
+        list_of(answer, job, &type[t]);
+    for (size_t i = 0; i < count; i++)
+        cJSON_AddItemToArray(list_of(answer, job, &found[i].type),
+                             name_object(found[i].name, found[i].id, found[i].coverage));
+    return answer;
 }
 
 void glint_http_mattes_pick(struct glint_request *r)
@@ -295,7 +233,12 @@ void glint_http_mattes_pick(struct glint_request *r)
     glint_query_integer(r, "y", GLINT_MAX_SIDE - 1, &y, &err);
     if (!glint_pixels_open(r, &view, &err))
         return;
-    if (pick(r, &view, x, y, &err))
+    struct glint_matte_found *found;
+    size_t count;
+    if (glint_render_pick(view.render, (uint32_t)x, (uint32_t)y, &found, &count, &err))
         glint_answer_error(r, &err);
+    else
+        glint_answer_json(r, MHD_HTTP_OK, pick_object(view.job, found, count, x, y));
+    free(found);
     glint_jobs_release(r->http->jobs, &view);
 }

@@ -111,13 +111,17 @@ glint_status glint_render_tile(glint_render *render, uint32_t tile, struct glint
                                uint32_t *samples, uint64_t *version, char revision[65],
                                struct glint_error *err);
 
-// Every name of the scene with its coverage over the frame; *out malloc'd, the names in the same
-// block. *lost: pixels of coverage that found no slot.
-glint_status glint_render_mattes(glint_render *render, enum glint_matte_layer layer,
-                                 uint32_t classes, struct glint_matte_total **out, size_t *count,
-                                 double *lost, struct glint_error *err);
+// Every name of the scene in the layers, bits 1 << layer, with its coverage over the frame by each
+// class. Whoever calls finishes *out; it is empty where this fails.
+glint_status glint_render_mattes(glint_render *render, uint32_t layers,
+                                 struct glint_matte_totals *out, struct glint_error *err);
+// What covers a pixel of the display window, by types; *out malloc'd, the names in the same block.
+// GLINT_E_RANGE where it is not in the region.
+glint_status glint_render_pick(glint_render *render, uint32_t x, uint32_t y,
+                               struct glint_matte_found **out, size_t *count,
+                               struct glint_error *err);
 // Union coverage of the named; an unknown name is GLINT_E_NOT_FOUND at /name. One plane "A".
-// Both: GLINT_E_RANGE if the job has no Cryptomatte output.
+// All three: GLINT_E_RANGE if the job has no Cryptomatte output.
 glint_status glint_render_matte(glint_render *render, enum glint_matte_layer layer,
                                 uint32_t classes, const char *const *names, size_t count,
                                 struct glint_frame **out, struct glint_error *err);

@@ -43,17 +43,15 @@ glint_status glint_render_frame(glint_render *r, uint32_t outputs, struct glint_
     return st;
 }
 
-glint_status glint_render_mattes(glint_render *r, enum glint_matte_layer layer, uint32_t classes,
-                                 struct glint_matte_total **out, size_t *count, double *lost,
+glint_status glint_render_mattes(glint_render *r, uint32_t layers, struct glint_matte_totals *out,
                                  struct glint_error *err)
 {
     struct origin o;
-    *out = NULL;
-    *count = 0;
+    *out = (struct glint_matte_totals){.lost = 0.0};
     glint_status st = origin_begin(&o, r, err);
     if (st)
         return st;
-    st = glint_film_mattes(&o.source, layer, classes, out, count, lost, err);
+    st = glint_film_mattes(&o.source, layers, out, err);
     origin_end(&o, r);
     return st;
 }
@@ -141,34 +139,32 @@ static void unlock_tile(void *user, uint32_t tile)
     glint_film_read_end(view->film, tile);
 }
 
-static glint_status tile_now(glint_render *r, const uint32_t rect[4], struct glint_frame **out,
-                             uint32_t *samples, char revision[65], struct glint_error *err)
+// A tile or less: as it is in the file, or now.
+struct spot {
+    struct glint_view *view; // NULL: of a file
+    struct glint_film_source source;
+};
+
+static glint_status spot_begin(struct spot *s, glint_render *r, struct glint_error *err)
 {
-    struct glint_view *view = glint_view_hold(r);
-    const struct glint_film_source source = {.info = &view->info,
-                                             .complete = glint_render_complete(r),
-                                             .user = view,
-                                             .begin = lock_tile,
-                                             .end = unlock_tile};
-    const glint_status st = glint_film_frame(&source, rect, GLINT_OUT_BEAUTY, out, samples, err);
-    if (revision)
-        snprintf(revision, 65, "%s", view->info.revision);
-    glint_view_release(&view);
-    return st;
+    s->view = NULL;
+    if (r->archive)
+        return glint_archive_source(r->archive, &s->source, err);
+    s->view = glint_view_hold(r);
+    s->source = (struct glint_film_source){.info = &s->view->info,
+                                           .complete = glint_render_complete(r),
+                                           .user = s->view,
+                                           .begin = lock_tile,
+                                           .end = unlock_tile};
+    return GLINT_OK;
 }
 
-static glint_status tile_kept(glint_render *r, const uint32_t rect[4], struct glint_frame **out,
-                              uint32_t *samples, char revision[65], struct glint_error *err)
+static void spot_end(struct spot *s)
 {
-    struct glint_film_source source;
-    glint_status st = glint_archive_source(r->archive, &source, err);
-    if (st)
-        return st;
-    st = glint_film_frame(&source, rect, GLINT_OUT_BEAUTY, out, samples, err);
-    if (revision)
-        snprintf(revision, 65, "%s", source.info->revision);
-    glint_archive_release(&source);
-    return st;
+    if (s->view)
+        glint_view_release(&s->view);
+    else
+        glint_archive_release(&s->source);
 }
 
 glint_status glint_render_tile(glint_render *r, uint32_t tile, struct glint_frame **out,
@@ -182,6 +178,35 @@ glint_status glint_render_tile(glint_render *r, uint32_t tile, struct glint_fram
     glint_render_tile_rect(r, tile, rect);
     if (version) // before the pixels: what arrives in between is sent again, never missed
         *version = glint_render_tile_version(r, tile);
-    return r->archive ? tile_kept(r, rect, out, samples, revision, err)
-                      : tile_now(r, rect, out, samples, revision, err);
+    struct spot s;
+    glint_status st = spot_begin(&s, r, err);
+    if (st)
+        return st;
+    st = glint_film_frame(&s.source, rect, GLINT_OUT_BEAUTY, out, samples, err);
+    if (revision)
+        snprintf(revision, 65, "%s", s.source.info->revision);
+    spot_end(&s);
+    return st;
+}
+
+glint_status glint_render_pick(glint_render *r, uint32_t x, uint32_t y,
+                               struct glint_matte_found **out, size_t *count,
+                               struct glint_error *err)
+{
+    const uint32_t outputs = r->job.outputs & GLINT_OUT_CRYPTO, *region = r->job.region;
+    *out = NULL;
+    *count = 0;
+    if (!outputs)
+        return glint_fail(
+            err, GLINT_E_RANGE, "",
+            "the job has none of the outputs crypto_object, crypto_material, crypto_asset");
+    if (x - region[0] >= region[2] || y - region[1] >= region[3])
+        return glint_fail(err, GLINT_E_RANGE, "", "x, y: %u, %u is not in the region", x, y);
+    struct spot s;
+    glint_status st = spot_begin(&s, r, err);
+    if (st)
+        return st;
+    st = glint_film_pick(&s.source, x, y, outputs, out, count, err);
+    spot_end(&s);
+    return st;
 }

@@ -147,21 +147,21 @@ static void same_tiles(glint_render *a, glint_render *b)
 
 static void same_mattes(glint_render *a, glint_render *b)
 {
+    struct glint_matte_totals of_a, of_b;
+    assert_int_equal(glint_render_mattes(a, 7u, &of_a, NULL), GLINT_OK);
+    assert_int_equal(glint_render_mattes(b, 7u, &of_b, NULL), GLINT_OK);
+    assert_true(of_a.lost == of_b.lost);
     for (int l = 0; l < GLINT_MATTE_LAYERS; l++) {
-        struct glint_matte_total *x, *y;
-        size_t n, m;
-        double lost_x, lost_y;
-        assert_int_equal(glint_render_mattes(a, l, 1u, &x, &n, &lost_x, NULL), GLINT_OK);
-        assert_int_equal(glint_render_mattes(b, l, 1u, &y, &m, &lost_y, NULL), GLINT_OK);
-        assert_int_equal(n, m);
-        assert_true(lost_x == lost_y);
-        for (size_t i = 0; i < n; i++) {
-            assert_string_equal(x[i].name, y[i].name);
-            assert_true(x[i].id == y[i].id && x[i].coverage == y[i].coverage);
+        const struct glint_matte_total *p = of_a.of[l], *q = of_b.of[l];
+        assert_int_equal(of_a.count[l], of_b.count[l]);
+        for (size_t i = 0; i < of_a.count[l]; i++) {
+            assert_string_equal(p[i].name, q[i].name);
+            assert_true(p[i].id == q[i].id);
+            assert_memory_equal(p[i].coverage, q[i].coverage, sizeof p[i].coverage);
         }
-        free(x);
-        free(y);
     }
+    glint_matte_totals_finish(&of_a);
+    glint_matte_totals_finish(&of_b);
     struct glint_frame *x, *y;
     const char *const names[] = {"s", "m"};
     assert_int_equal(glint_render_matte(a, 0, 1u, names, 2, &x, NULL), GLINT_OK);

@@ -63,12 +63,11 @@ static void totals_are_sums_over_the_frame(void **state)
     (void)state;
     struct shot s;
     shoot_things(&s, crowd, CROWD, LENS, ALL_RANKS, 96);
+    struct glint_matte_totals totals;
+    assert_int_equal(glint_render_mattes(s.render, 7u, &totals, NULL), GLINT_OK);
     for (int layer = 0; layer < GLINT_MATTE_LAYERS; layer++) {
-        struct glint_matte_total *total;
-        size_t count;
-        double lost;
-        assert_int_equal(glint_render_mattes(s.render, layer, 1u, &total, &count, &lost, NULL),
-                         GLINT_OK);
+        const struct glint_matte_total *total = totals.of[layer];
+        const size_t count = totals.count[layer];
         assert_int_equal(count, layer == GLINT_MATTE_OBJECT     ? 9
                                 : layer == GLINT_MATTE_MATERIAL ? 3
                                                                 : 1);
@@ -76,11 +75,11 @@ static void totals_are_sums_over_the_frame(void **state)
             double sum = 0.0;
             for (size_t i = 0; i < pixels(s.frame); i++)
                 sum += coverage_of(s.frame, glint_matte_layer_type(layer), total[n].name, i);
-            assert_float_equal(total[n].coverage, sum, 1e-4);
+            assert_float_equal(total[n].coverage[0], sum, 1e-4);
             assert_int_equal(total[n].id, glint_cryptomatte_id(total[n].name));
         }
-        free(total);
     }
+    glint_matte_totals_finish(&totals);
     finish_shot(&s);
 }
 
@@ -157,12 +156,48 @@ static void name_that_is_not_seen_has_an_empty_matte(void **state)
     glint_resident_release(&scene);
 }
 
+static void a_pick_is_what_the_frame_ranks_there(void **state)
+{
+    (void)state;
+    struct shot s;
+    shoot_things(&s, crowd, CROWD, LENS, ALL_RANKS, 96);
+    size_t ranks = 0;
+    for (size_t i = 0; i < pixels(s.frame); i++) {
+        struct glint_matte_found *found;
+        size_t count, of_type = 0;
+        assert_int_equal(
+            glint_render_pick(s.render, i % WIDTH, (uint32_t)(i / WIDTH), &found, &count, NULL),
+            GLINT_OK);
+        ranks += count;
+        for (size_t k = 0; k < count; k++) {
+            const char *type = found[k].type.name;
+            of_type = k && strcmp(type, found[k - 1].type.name) == 0 ? of_type : 0;
+            while (rank_id(s.frame, type, (uint32_t)of_type, i) == 0)
+                of_type++; // of nothing
+            assert_int_equal(found[k].id, rank_id(s.frame, type, (uint32_t)of_type, i));
+            assert_true(found[k].coverage == rank_coverage(s.frame, type, (uint32_t)of_type, i));
+            assert_int_equal(found[k].id, glint_cryptomatte_id(found[k].name));
+            of_type++;
+        }
+        free(found);
+    }
+    assert_true(ranks > pixels(s.frame));
+    struct glint_error err = {0};
+    struct glint_matte_found *found;
+    size_t count;
+    assert_int_equal(glint_render_pick(s.render, WIDTH, 0, &found, &count, &err), GLINT_E_RANGE);
+    assert_null(found);
+    glint_error_finish(&err);
+    finish_shot(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(union_matte_is_the_sum_over_the_written_layers),
         cmocka_unit_test(unknown_name_is_refused_by_name),
         cmocka_unit_test(totals_are_sums_over_the_frame),
+        cmocka_unit_test(a_pick_is_what_the_frame_ranks_there),
         cmocka_unit_test(manifests_have_all_names_of_the_scene_seen_or_not),
         cmocka_unit_test(name_that_is_not_seen_has_an_empty_matte),
     };

@@ -211,16 +211,14 @@ static void objects_with_equal_names_share_one_matte(void **state)
                          rank_id(s.frame, "CryptoObject", 1, i) &&
                      rank_coverage(s.frame, "CryptoObject", 1, i) > 0.0f);
     }
-    struct glint_matte_total *total;
-    size_t count;
-    double lost;
-    assert_int_equal(
-        glint_render_mattes(s.render, GLINT_MATTE_OBJECT, 1u, &total, &count, &lost, NULL),
-        GLINT_OK);
-    assert_int_equal(count, 1);
-    assert_string_equal(total->name, "twin");
-    assert_float_equal(total->coverage, 6.7 * 4 + 5 * 4, 0.05);
-    free(total);
+    struct glint_matte_totals totals;
+    assert_int_equal(glint_render_mattes(s.render, 1u << GLINT_MATTE_OBJECT, &totals, NULL),
+                     GLINT_OK);
+    assert_int_equal(totals.count[GLINT_MATTE_OBJECT], 1);
+    assert_string_equal(totals.of[GLINT_MATTE_OBJECT]->name, "twin");
+    assert_float_equal(totals.of[GLINT_MATTE_OBJECT]->coverage[0], 6.7 * 4 + 5 * 4, 0.05);
+    assert_null(totals.of[GLINT_MATTE_ASSET]);
+    glint_matte_totals_finish(&totals);
     finish_shot(&s);
 }
 
@@ -341,16 +339,15 @@ static void shoot_strips(struct shot *s, size_t first, size_t named, const char 
 // Pixels that each strip covers, and all that found no slot.
 static double strip_totals(const struct shot *s, double covered[STRIPS])
 {
-    struct glint_matte_total *total;
-    size_t count;
-    double lost;
-    assert_int_equal(
-        glint_render_mattes(s->render, GLINT_MATTE_OBJECT, 1u, &total, &count, &lost, NULL),
-        GLINT_OK);
-    for (size_t i = 0; i < count; i++)
+    struct glint_matte_totals totals;
+    assert_int_equal(glint_render_mattes(s->render, 1u << GLINT_MATTE_OBJECT, &totals, NULL),
+                     GLINT_OK);
+    const struct glint_matte_total *total = totals.of[GLINT_MATTE_OBJECT];
+    for (size_t i = 0; i < totals.count[GLINT_MATTE_OBJECT]; i++)
         if (total[i].name[0] == 's')
-            covered[atoi(total[i].name + 1)] = total[i].coverage;
-    free(total);
+            covered[atoi(total[i].name + 1)] = total[i].coverage[0];
+    const double lost = totals.lost;
+    glint_matte_totals_finish(&totals);
     return lost;
 }
 

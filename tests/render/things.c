@@ -120,13 +120,11 @@ void shoot_things(struct shot *s, const struct thing *t, size_t n, const char *l
 
 double lost_in(const struct shot *s)
 {
-    struct glint_matte_total *total;
-    size_t count;
-    double lost;
-    assert_int_equal(
-        glint_render_mattes(s->render, GLINT_MATTE_OBJECT, 1u, &total, &count, &lost, NULL),
-        GLINT_OK);
-    free(total);
+    struct glint_matte_totals totals;
+    assert_int_equal(glint_render_mattes(s->render, 1u << GLINT_MATTE_OBJECT, &totals, NULL),
+                     GLINT_OK);
+    const double lost = totals.lost;
+    glint_matte_totals_finish(&totals);
     return lost;
 }
 

@@ -354,15 +354,34 @@ glint_status glint_render_tile(glint_render *render, uint32_t tile, struct glint
     return make_frame(render, tile, 1, out, err);
 }
 
-glint_status glint_render_mattes(glint_render *render, enum glint_matte_layer layer,
-                                 uint32_t classes, struct glint_matte_total **out, size_t *count,
-                                 double *lost, struct glint_error *err)
+glint_status glint_render_mattes(glint_render *render, uint32_t layers,
+                                 struct glint_matte_totals *out, struct glint_error *err)
 {
-    (void)render, (void)layer, (void)classes, (void)err;
-    *out = calloc(1, sizeof **out);
-    **out = (struct glint_matte_total){"torus", 0xf19c73fd, SIDE * SIDE};
-    *count = 1;
-    *lost = 0;
+    (void)render, (void)err;
+    *out = (struct glint_matte_totals){.lost = 0};
+    for (int l = 0; l < GLINT_MATTE_LAYERS; l++) {
+        if (!(layers >> l & 1))
+            continue;
+        out->of[l] = calloc(1, sizeof *out->of[l]);
+        *out->of[l] = (struct glint_matte_total){"torus", 0xf19c73fd, {SIDE * SIDE}};
+        out->count[l] = 1;
+    }
+    return GLINT_OK;
+}
+
+void glint_matte_totals_finish(struct glint_matte_totals *totals)
+{
+    for (int l = 0; l < GLINT_MATTE_LAYERS; l++)
+        free(totals->of[l]);
+}
+
+glint_status glint_render_pick(glint_render *render, uint32_t x, uint32_t y,
+                               struct glint_matte_found **out, size_t *count,
+                               struct glint_error *err)
+{
+    (void)render, (void)x, (void)y, (void)err;
+    *out = NULL;
+    *count = 0;
     return GLINT_OK;
 }
 

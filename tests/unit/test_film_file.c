@@ -313,9 +313,7 @@ static void use(glint_film_file *file)
     const struct glint_film_source source = {
         .info = info, .user = user, .begin = file_begin, .end = file_end};
     struct glint_frame *frame = NULL;
-    struct glint_matte_total *total = NULL;
-    size_t count;
-    double lost;
+    struct glint_matte_totals totals;
     if ((uint64_t)info->job->region[2] * info->job->region[3] > 1 << 16)
         return; // takes time and shows nothing else
     assert_int_equal(
@@ -324,9 +322,14 @@ static void use(glint_film_file *file)
     glint_frame_destroy(&frame);
     if (!info->coverage)
         return;
-    assert_int_equal(glint_film_mattes(&source, GLINT_MATTE_OBJECT, 1, &total, &count, &lost, NULL),
+    struct glint_matte_found *found;
+    size_t count;
+    assert_int_equal(glint_film_mattes(&source, 7u, &totals, NULL), GLINT_OK);
+    glint_matte_totals_finish(&totals);
+    assert_int_equal(glint_film_pick(&source, info->job->region[0], info->job->region[1],
+                                     info->job->outputs, &found, &count, NULL),
                      GLINT_OK);
-    free(total);
+    free(found);
 }
 
 static bool try_bytes(struct bytes b)
