@@ -151,8 +151,10 @@ tests_stability_test_rays_SOURCES = tests/stability/test_rays.c $(stable)
 tests_stability_test_texture_SOURCES = tests/stability/test_texture.c $(stable)
 
 # Measurements: built and run by name.
-EXTRA_PROGRAMS += tests/bench/embree_share tests/bench/exr_tile tests/bench/matte_overhead \
+EXTRA_PROGRAMS += tests/accuracy/strips tests/bench/embree_share tests/bench/exr_tile tests/bench/matte_overhead \
 	tests/bench/memory tests/bench/million_scene tests/bench/stream_load
+tests_accuracy_strips_SOURCES = tests/accuracy/strips.c tests/accuracy/subrays.c \
+	tests/accuracy/subrays.h $(offline)
 tests_bench_embree_share_SOURCES = tests/bench/embree_share.c tests/bench/bench.c \
 	tests/bench/bench.h $(offline)
 tests_bench_embree_share_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_geometry_trace_wave \
@@ -213,6 +215,7 @@ tests_clients_test_uri_LDADD = libglintcli.a $(LDADD)
 
 # *.py and *.sh; shared Python modules and data of tests go to dist_check_DATA.
 SCRIPT_TESTS = \
+	tests/clients/blender_recolour.py \
 	tests/clients/cli_completion.py \
 	tests/clients/cli_daemon.py \
 	tests/clients/cli_bundle.py \
@@ -253,7 +256,7 @@ SCRIPT_TESTS = \
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
 dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised
 dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
-	tests/clients/browser.py tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \
+	tests/clients/blender_cryptomatte.py tests/clients/browser.py tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \
 	tests/http/contract_hooks.py tests/http/daemon.py tests/http/lasting.py tests/http/sandbox.py \
 	tests/http/soak_plot.py \
 	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/density.h tests/kernel/surface.h \
