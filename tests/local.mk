@@ -40,6 +40,7 @@ UNIT_TESTS = \
 	tests/unit/test_assets \
 	tests/unit/test_config \
 	tests/unit/test_checkpoint \
+	tests/unit/test_checkpoint_file \
 	tests/unit/test_contract \
 	tests/unit/test_cryptomatte \
 	tests/unit/test_data_uri \
@@ -129,7 +130,8 @@ tests_render_test_mattes_SOURCES = tests/render/test_mattes.c $(offline) $(thing
 tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
 
 stable = tests/stability/stable.c tests/stability/stable.h $(offline)
-tests_render_test_effects_SOURCES = tests/render/test_effects.c $(stable)
+effect_worlds = tests/render/effect_worlds.c tests/render/effect_worlds.h $(stable)
+tests_render_test_effects_SOURCES = tests/render/test_effects.c $(effect_worlds)
 moving = tests/render/moving.c tests/render/moving.h $(stable)
 filmed = tests/render/filmed.c tests/render/filmed.h $(stable)
 tests_render_test_film_restore_SOURCES = tests/render/test_film_restore.c $(filmed)
@@ -155,6 +157,9 @@ EXTRA_PROGRAMS += tests/accuracy/strips tests/bench/embree_share tests/bench/exr
 	tests/bench/memory tests/bench/million_scene tests/bench/stream_load
 tests_accuracy_strips_SOURCES = tests/accuracy/strips.c tests/accuracy/subrays.c \
 	tests/accuracy/subrays.h $(offline)
+EXTRA_PROGRAMS += tests/bench/effects
+tests_bench_effects_SOURCES = tests/bench/effects.c tests/bench/bench.c tests/bench/bench.h \
+	$(effect_worlds)
 tests_bench_embree_share_SOURCES = tests/bench/embree_share.c tests/bench/bench.c \
 	tests/bench/bench.h $(offline)
 tests_bench_embree_share_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_geometry_trace_wave \
@@ -181,6 +186,8 @@ tests_unit_test_import_gltf_scene_SOURCES = tests/unit/test_import_gltf_scene.c 
 tests_unit_test_import_gltf_time_SOURCES = tests/unit/test_import_gltf_time.c \
 	tests/unit/gltf_moving.c tests/unit/gltf_moving.h $(gltf_expect)
 tests_unit_test_checkpoint_SOURCES = tests/unit/test_checkpoint.c $(jobs_fixture)
+tests_unit_test_checkpoint_file_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=fsync -Wl,--wrap=rename \
+	-Wl,--wrap=glint_render_film
 tests_unit_test_jobs_SOURCES = tests/unit/test_jobs.c $(jobs_fixture)
 tests_unit_test_live_SOURCES = tests/unit/test_live.c $(jobs_fixture)
 tests_unit_test_need_SOURCES = tests/unit/test_need.c $(jobs_fixture)
@@ -246,6 +253,7 @@ SCRIPT_TESTS = \
 	tests/http/test_streams.py \
 	tests/http/test_unit.py \
 	tests/http/test_updates.py \
+	tests/mutation/test_table.py \
 	tests/render/test_cryptomatte_node.py \
 	tests/render/test_exr_readers.py \
 	tests/render/test_peers.py \
@@ -267,6 +275,9 @@ dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
 	tests/render/peers/reference.py tests/render/peers/references.sh \
 	tests/render/peers/scenes.py \
 	tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/tap.py
+
+dist_check_SCRIPTS += tests/mutation/run
+dist_check_DATA += tests/mutation/faults.toml tests/mutation/filter.c tests/mutation/table.py
 
 TEST_EXTENSIONS = .py .sh
 TAP_DRIVER = env AM_TAP_AWK='$(AWK)' $(SHELL) $(top_srcdir)/build-aux/tap-driver.sh
