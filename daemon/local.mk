@@ -164,6 +164,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/render/capture.h \
 	daemon/render/common.c \
 	daemon/render/common.h \
+	daemon/render/compact.c \
+	daemon/render/compact.h \
 	daemon/render/carried.c \
 	daemon/render/effects.c \
 	daemon/render/effects.h \

@@ -44,6 +44,15 @@ GK_INLINE void gk_pixel_finish(struct gk_pixel_table *t)
     t->table[t->slots] += t->lost;
 }
 
+// waits: GK_COL_WAITS, 0: nothing is deposited.
+GK_INLINE void gk_path_deposit(__global gk_u64 *table, gk_u32 slots, gk_u32 waits, gk_u32 amount,
+                               gk_u32 policy, gk_u32 salt)
+{
+    if (waits != 0u && amount > 0u)
+        table[slots] += gk_matte_deposit(table, slots, waits & GK_WAITS_KEY, waits >> 31, amount,
+                                         policy, gk_mix32(salt));
+}
+
 // tables: [256][slots + 1], from `offset` slots on. lane: of the tile's first pixel; step: lanes from
 // one sample of a pixel to the next. salt: new for each launch on a tile.
 __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32 stride,
@@ -64,24 +73,22 @@ __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32
 }
 
 #ifdef GK_THROUGH
-// What the vertices just shaded have left for the mattes; the lanes are empty afterwards.
-__kernel void deposit_carried(__global float *restrict wave, const gk_u32 stride, const gk_u32 n,
-                              const gk_u32 lane, const gk_u32 step, const gk_u32 samples,
-                              __global gk_u64 *restrict tables, const gk_u32 offset,
+// What the vertices just shaded have left for the mattes: of the first n paths, one item in all,
+// because any of them may share a pixel. tables: [pixels][slots + 1]; pixels: of the block, a power
+// of two. salt: new for each launch on a block.
+__kernel void deposit_carried(const __global float *restrict wave, const gk_u32 stride,
+                              const gk_u32 n, const gk_u32 pixels, __global gk_u64 *restrict tables,
                               const gk_u32 slots, const gk_u32 policy, const gk_u32 salt)
 {
-    const gk_u32 i = (gk_u32)get_global_id(0);
-    if (i >= n)
+    if (get_global_id(0) > 0)
         return;
-    struct gk_pixel_table t =
-        gk_pixel_table_at(tables + offset + i * (slots + 1u), slots, policy, gk_mix32(salt ^ i));
-    for (gk_u32 s = 0; s < samples; s++) {
-        const gk_u32 at = lane + i + s * step;
-        gk_pixel_deposit(&t, GK_LOAD_U32(GK_COL_DEPOSIT0, at), GK_LOAD_U32(GK_COL_AMOUNT0, at));
-        gk_pixel_deposit(&t, GK_LOAD_U32(GK_COL_DEPOSIT1, at), GK_LOAD_U32(GK_COL_AMOUNT1, at));
-        GK_STORE_U32(GK_COL_DEPOSIT0, at, 0u);
-        GK_STORE_U32(GK_COL_DEPOSIT1, at, 0u);
+    for (gk_u32 i = 0; i < n; i++) {
+        const gk_u32 lane = GK_LOAD_U32(GK_COL_LANE, i);
+        __global gk_u64 *table = tables + (lane & (pixels - 1u)) * (slots + 1u);
+        gk_path_deposit(table, slots, GK_LOAD_U32(GK_COL_DEPOSIT0, i),
+                        GK_LOAD_U32(GK_COL_AMOUNT0, i), policy, salt ^ 2u * lane);
+        gk_path_deposit(table, slots, GK_LOAD_U32(GK_COL_DEPOSIT1, i),
+                        GK_LOAD_U32(GK_COL_AMOUNT1, i), policy, salt ^ (2u * lane + 1u));
     }
-    gk_pixel_finish(&t);
 }
 #endif

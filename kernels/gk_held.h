@@ -52,7 +52,7 @@ GK_INLINE struct gk_transport gk_transport_load(const GK_GLOBAL gk_f32 *wave, gk
     return t;
 }
 
-GK_INLINE void gk_transport_store(GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_u32 i, gk_u32 lane,
+GK_INLINE void gk_transport_store(GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_u32 i,
                                   const struct gk_transport *t)
 {
     GK_STORE_U32(GK_COL_HELD, i, t->held);
@@ -68,11 +68,11 @@ GK_INLINE void gk_transport_store(GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_u32 
     GK_STORE(GK_COL_RADIUS, i, t->cone.r);
     GK_STORE(GK_COL_SLOPE, i, t->cone.g);
 #endif
-    GK_STORE_U32(GK_COL_DEPOSIT0, lane, t->before.key);
-    GK_STORE_U32(GK_COL_AMOUNT0, lane, t->before.amount);
-    GK_STORE_U32(GK_COL_DEPOSIT1, lane, t->last.key);
-    GK_STORE_U32(GK_COL_AMOUNT1, lane, t->last.amount);
-    GK_STORE_U32(GK_COL_EXCESS, lane, GK_LOAD_U32(GK_COL_EXCESS, lane) + t->excess);
+    GK_STORE_U32(GK_COL_DEPOSIT0, i, t->before.key);
+    GK_STORE_U32(GK_COL_AMOUNT0, i, t->before.amount);
+    GK_STORE_U32(GK_COL_DEPOSIT1, i, t->last.key);
+    GK_STORE_U32(GK_COL_AMOUNT1, i, t->last.amount);
+    GK_STORE_U32(GK_COL_EXCESS, i, t->excess);
 }
 
 // Of a camera ray.

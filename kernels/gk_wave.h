@@ -85,7 +85,8 @@
 #define GK_COL_FORWARD_V 64
 #define GK_COL_BACKWARD_U 65 // a frame earlier
 #define GK_COL_BACKWARD_V 66
-// Deposits of the vertex just shaded, which the next pass takes: of the vertex before, and of a last one.
+// Of the path again: deposits of the vertex just shaded, which the next pass takes, of the vertex before
+// and of a last one.
 #define GK_COL_DEPOSIT0 67 // slot key, GK_WAITS_DIRECT; 0: none
 #define GK_COL_AMOUNT0 68  // units
 #define GK_COL_DEPOSIT1 69

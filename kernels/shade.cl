@@ -202,7 +202,7 @@ GK_INLINE void gk_carry_coverage(__global float *wave, gk_u32 stride, gk_u32 i,
     struct gk_transport t = gk_transport_load(wave, stride, i);
     gk_transport_arrive(&t, frame, scene, x);
     gk_transport_leave(&t, frame, scene, x, next, scale, alive);
-    gk_transport_store(wave, stride, i, x->path.lane, &t);
+    gk_transport_store(wave, stride, i, &t);
 #else
     (void)wave;
     (void)stride;
@@ -345,8 +345,9 @@ GK_INLINE struct gk_environment gk_environment_of(const __global struct gk_frame
     return e;
 }
 
+// The paths from `first` to before `n`.
 __kernel void shade_surface(
-    __global float *restrict wave, const gk_u32 stride, const gk_u32 n,
+    __global float *restrict wave, const gk_u32 stride, const gk_u32 first, const gk_u32 n,
     const __global struct gk_frame *restrict frame,
     const __global struct gk_wave_rect *restrict rect,
     const __global struct gk_triangle *restrict triangles,
@@ -364,7 +365,7 @@ __kernel void shade_surface(
     const __global gk_f32 *restrict energy, const __global struct gk_env_texel *restrict env_texels,
     const __global struct gk_env_cell *restrict env_cells)
 {
-    const gk_u32 i = (gk_u32)get_global_id(0);
+    const gk_u32 i = first + (gk_u32)get_global_id(0);
     if (i >= n)
         return;
     const struct gk_resident scene = {triangles,

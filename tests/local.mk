@@ -38,6 +38,7 @@ UNIT_TESTS = \
 	tests/unit/test_ahead \
 	tests/unit/test_arena \
 	tests/unit/test_assets \
+	tests/unit/test_compact \
 	tests/unit/test_config \
 	tests/unit/test_checkpoint \
 	tests/unit/test_checkpoint_file \
@@ -160,16 +161,20 @@ tests_accuracy_strips_SOURCES = tests/accuracy/strips.c tests/accuracy/subrays.c
 EXTRA_PROGRAMS += tests/bench/effects
 tests_bench_effects_SOURCES = tests/bench/effects.c tests/bench/bench.c tests/bench/bench.h \
 	$(effect_worlds)
+EXTRA_PROGRAMS += tests/bench/stages
+bench_waves = tests/bench/bench.c tests/bench/bench.h tests/bench/waves.c tests/bench/waves.h \
+	$(offline)
 tests_bench_embree_share_SOURCES = tests/bench/embree_share.c tests/bench/bench.c \
 	tests/bench/bench.h $(offline)
 tests_bench_embree_share_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_geometry_trace_wave \
 	-Wl,--wrap=glint_geometry_shadow_wave
 tests_bench_exr_tile_LDADD = $(PROTOCOL_LIBS)
-tests_bench_matte_overhead_SOURCES = tests/bench/matte_overhead.c tests/bench/bench.c \
-	tests/bench/bench.h $(offline)
+tests_bench_matte_overhead_SOURCES = tests/bench/matte_overhead.c $(bench_waves)
 tests_bench_memory_SOURCES = tests/bench/memory.c $(offline)
 tests_bench_million_scene_SOURCES = tests/bench/million_scene.c tests/bench/bench.c \
 	tests/bench/bench.h
+tests_bench_stages_SOURCES = tests/bench/stages.c $(bench_waves)
+tests_bench_stages_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_now
 
 # Jobs over stand-ins for renders and scenes.
 jobs_fixture = tests/unit/fake_render.c tests/unit/fake_render.h tests/unit/fake_scene.c \

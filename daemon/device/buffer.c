@@ -14,8 +14,35 @@
 // Embree loads vertices 16 bytes at a time, past the end of the last.
 #define SLACK_BYTES 64
 
-// From here on large pages: records are read all over the place.
-#define LARGE_BYTES ((size_t)8 << 20)
+// From here on large pages: records are read all over the place, and the columns of a wave lie in a
+// second-level cache without conflicts.
+#define LARGE_BYTES ((size_t)1 << 20)
+#define LARGE_PAGE ((size_t)2 << 20)
+
+static size_t rounded(size_t bytes, size_t page)
+{
+    return (bytes + page - 1) / page * page;
+}
+
+static void *map(size_t bytes)
+{
+    return mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+}
+
+// Whole large pages: what lies before the first and after the last goes back.
+static void *map_large(size_t bytes)
+{
+    char *all = map(bytes + LARGE_PAGE);
+    if (all == MAP_FAILED)
+        return all;
+    const size_t before = rounded((uintptr_t)all, LARGE_PAGE) - (uintptr_t)all;
+    if (before > 0)
+        munmap(all, before);
+    if (before < LARGE_PAGE)
+        munmap(all + before + bytes, LARGE_PAGE - before);
+    madvise(all + before, bytes, MADV_HUGEPAGE); // a wish: it works without
+    return all + before;
+}
 
 glint_status glint_buffer_create(glint_buffer **out, glint_devices *devices, size_t bytes,
                                  struct glint_error *err)
@@ -29,16 +56,14 @@ glint_status glint_buffer_create(glint_buffer **out, glint_devices *devices, siz
     glint_buffer *b = calloc(1, sizeof *b);
     if (!b)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a buffer");
-    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    const bool large = bytes >= LARGE_BYTES;
     b->bytes = bytes;
-    b->mapped = (bytes + SLACK_BYTES + page - 1) / page * page;
-    b->host = mmap(NULL, b->mapped, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    b->mapped = rounded(bytes + SLACK_BYTES, large ? LARGE_PAGE : (size_t)sysconf(_SC_PAGESIZE));
+    b->host = large ? map_large(b->mapped) : map(b->mapped);
     if (b->host == MAP_FAILED) {
         free(b);
         return glint_fail(err, GLINT_E_CAPACITY, "", "no memory for a buffer of %zu bytes", bytes);
     }
-    if (b->mapped >= LARGE_BYTES)
-        madvise(b->host, b->mapped, MADV_HUGEPAGE); // a wish: it works without
     atomic_init(&b->references, 1);
     *out = b;
     return GLINT_OK;

@@ -20,8 +20,8 @@ static uint32_t salt_of(const struct glint_run *r, uint32_t lane)
     return gk_mix32(place ^ gk_mix32(b->sample + gk_mix32(r->bounce)));
 }
 
-glint_status glint_run_deposit(struct glint_run *r, const char *kernel,
-                               const struct glint_film_tile *at, uint32_t n, uint32_t lane)
+glint_status glint_run_deposit_seen(struct glint_run *r, const struct glint_film_tile *at,
+                                    uint32_t n, uint32_t lane)
 {
     const uint32_t stride = GLINT_WAVE_STRIDE, step = 1u << r->pixels_log2;
     const uint32_t samples = r->block->samples, salt = salt_of(r, lane);
@@ -36,7 +36,22 @@ glint_status glint_run_deposit(struct glint_run *r, const char *kernel,
                                      GLINT_ARG_VALUE(r->job->matte_slots),
                                      GLINT_ARG_VALUE(r->job->matte_policy),
                                      GLINT_ARG_VALUE(salt)};
-    return glint_run_launch(r, kernel, n, args, sizeof args / sizeof *args);
+    return glint_run_launch(r, "deposit_coverage", n, args, sizeof args / sizeof *args);
+}
+
+glint_status glint_run_deposit_carried(struct glint_run *r, glint_buffer *tables, uint32_t n)
+{
+    const uint32_t stride = GLINT_WAVE_STRIDE, pixels = 1u << r->pixels_log2;
+    const uint32_t salt = salt_of(r, 0);
+    const struct glint_arg args[] = {GLINT_ARG_BUFFER(r->wave->columns),
+                                     GLINT_ARG_VALUE(stride),
+                                     GLINT_ARG_VALUE(n),
+                                     GLINT_ARG_VALUE(pixels),
+                                     GLINT_ARG_BUFFER(tables),
+                                     GLINT_ARG_VALUE(r->job->matte_slots),
+                                     GLINT_ARG_VALUE(r->job->matte_policy),
+                                     GLINT_ARG_VALUE(salt)};
+    return glint_run_launch(r, "deposit_carried", 1, args, sizeof args / sizeof *args);
 }
 
 static uint64_t *film_table(const struct glint_film_tile *at)
@@ -63,20 +78,10 @@ static glint_status copy_out(struct glint_run *r, const struct glint_film_tile *
     return GLINT_OK;
 }
 
-// An interrupted run leaves deposits behind.
-static void empty_lanes(struct glint_run *r)
-{
-    static const uint32_t columns[] = {GK_COL_DEPOSIT0, GK_COL_DEPOSIT1, GK_COL_EXCESS};
-    float *all = glint_buffer_host(r->wave->columns);
-    for (size_t c = 0; c < sizeof columns / sizeof *columns; c++)
-        memset(all + (size_t)columns[c] * GLINT_WAVE_STRIDE, 0, r->lanes * sizeof *all);
-}
-
 glint_status glint_carried_begin(struct glint_run *r)
 {
     if (!r->job->matte_through)
         return GLINT_OK;
-    empty_lanes(r);
     const size_t tiles = GLINT_WAVE_LANES / GK_TILE_PIXELS;
     glint_status st = GLINT_OK;
     if (!r->wave->tables)
@@ -85,47 +90,25 @@ glint_status glint_carried_begin(struct glint_run *r)
     return st ? st : glint_run_tiles(r, copy_in);
 }
 
-static glint_status deposit_tile(struct glint_run *r, const struct glint_film_tile *at,
-                                 uint32_t tile_in_block)
-{
-    (void)at;
-    const struct glint_film_tile copy = {
-        .tables = r->wave->tables, .tables_offset = (uint32_t)(tile_in_block * table_bytes(r) / 8)};
-    return glint_run_deposit(r, "deposit_carried", &copy, GK_TILE_PIXELS,
-                             tile_in_block * GK_TILE_PIXELS);
-}
-
-void glint_carried_look(struct glint_run *r, uint32_t n)
-{
-    const uint32_t *held = (const uint32_t *)glint_buffer_host(r->wave->columns) +
-                           (size_t)GK_COL_HELD * GLINT_WAVE_STRIDE;
-    uint32_t any = 0;
-    for (uint32_t i = 0; r->holds && i < n; i++)
-        any |= held[i];
-    r->holds = any != 0;
-}
-
-glint_status glint_carried_deposit(struct glint_run *r)
-{
-    if (!r->holds)
-        return GLINT_OK;
-    const glint_status st = glint_run_tiles(r, deposit_tile);
-    glint_run_charge(r, GLINT_PASS_CARRIED);
-    return st;
-}
-
 static void count_excess(struct glint_run *r)
 {
     const uint32_t *excess = (const uint32_t *)glint_buffer_host(r->wave->columns) +
                              (size_t)GK_COL_EXCESS * GLINT_WAVE_STRIDE;
-    for (uint32_t i = 0; i < r->lanes; i++)
+    for (uint32_t i = 0; i < r->holding; i++)
         r->wave->stats.matte_excess += excess[i];
+}
+
+glint_status glint_carried_deposit(struct glint_run *r)
+{
+    if (r->holding == 0)
+        return GLINT_OK;
+    const glint_status st = glint_run_deposit_carried(r, r->wave->tables, r->holding);
+    count_excess(r);
+    glint_run_charge(r, GLINT_PASS_CARRIED);
+    return st;
 }
 
 glint_status glint_carried_end(struct glint_run *r)
 {
-    if (!r->job->matte_through)
-        return GLINT_OK;
-    count_excess(r);
-    return glint_run_tiles(r, copy_out);
+    return r->job->matte_through ? glint_run_tiles(r, copy_out) : GLINT_OK;
 }

@@ -9,6 +9,7 @@
 
 #define STRIDE GLINT_WAVE_STRIDE
 #define GROUP 64u // items of a work-group: one vectorised loop
+#define VECTOR 16u
 
 static void constant_columns(float *columns)
 {
@@ -24,11 +25,9 @@ glint_status glint_wave_create(glint_wave **out, glint_devices *devices, struct 
     if (!w)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a wave");
     w->devices = devices;
-    w->survivor = malloc(GLINT_WAVE_LANES * sizeof *w->survivor);
+    glint_compact_init(&w->compact);
     glint_status st =
-        w->survivor ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a wave");
-    if (!st)
-        st = glint_buffer_create(&w->columns, devices, (size_t)GK_COLUMNS * STRIDE * 4, err);
+        glint_buffer_create(&w->columns, devices, (size_t)GK_COLUMNS * STRIDE * 4, err);
     if (!st)
         st = glint_buffer_create(&w->rect, devices, sizeof(struct gk_wave_rect), err);
     if (st) {
@@ -49,7 +48,6 @@ void glint_wave_destroy(glint_wave **wave)
     glint_buffer_destroy(&w->columns);
     glint_buffer_destroy(&w->rect);
     glint_buffer_destroy(&w->tables);
-    free(w->survivor);
     free(w);
 }
 
@@ -96,15 +94,33 @@ static glint_status generate(struct glint_run *r)
     return st;
 }
 
-static glint_status shade(struct glint_run *r, glint_program *program, uint32_t n)
+// The paths from `first` to before `end`.
+static glint_status shade(struct glint_run *r, glint_program *program, uint32_t first, uint32_t end)
 {
     const uint32_t stride = STRIDE;
-    struct glint_arg args[5 + GLINT_TABLES] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(n),
-                                               BUFFER(r->job->frame), BUFFER(r->wave->rect)};
+    struct glint_arg args[6 + GLINT_TABLES] = {
+        BUFFER(r->wave->columns), VALUE(stride),        VALUE(first), VALUE(end),
+        BUFFER(r->job->frame),    BUFFER(r->wave->rect)};
     for (int t = 0; t < GLINT_TABLES; t++)
-        args[5 + t].buffer = glint_resident_table(r->job->scene, t);
-    const glint_status st = glint_launch(r->worker, program, "shade_surface", grid_of(r, n), GROUP,
-                                         args, 5 + GLINT_TABLES, r->err);
+        args[6 + t].buffer = glint_resident_table(r->job->scene, t);
+    return glint_launch(r->worker, program, "shade_surface", grid_of(r, end - first), GROUP, args,
+                        6 + GLINT_TABLES, r->err);
+}
+
+// The paths that hold coverage, filled up to whole vectors with some that do not, go through the
+// program for that, the others through the plain one. The picture is the same by either.
+static glint_status shade_all(struct glint_run *r, uint32_t n)
+{
+    const uint32_t vectors = (r->holding + VECTOR - 1) / VECTOR * VECTOR;
+    const uint32_t holding = !r->job->plain || vectors > n ? n : vectors;
+    uint32_t *held = (uint32_t *)glint_buffer_host(r->wave->columns) + GK_COL_HELD * (size_t)STRIDE;
+    glint_status st = GLINT_OK;
+    for (uint32_t i = r->holding; r->job->plain && i < holding; i++)
+        held[i] = 0;
+    if (holding > 0)
+        st = shade(r, r->job->program, 0, holding);
+    if (!st && holding < n)
+        st = shade(r, r->job->plain, holding, n);
     glint_run_charge(r, GLINT_PASS_SHADE);
     return st;
 }
@@ -126,27 +142,30 @@ static glint_status trace_shadows(struct glint_run *r, uint32_t n)
     return st;
 }
 
-// Moves the paths that go on to the front, in order. Returns their number.
+static bool of_coverage(uint32_t column)
+{
+    return column >= GK_COL_HELD && column < GK_COL_MOVED;
+}
+
+// Moves the paths that go on to the front. Returns their number.
 static uint32_t compact(struct glint_run *r, uint32_t n)
 {
     float *columns = glint_buffer_host(r->wave->columns);
-    const float *distance = columns + (size_t)GK_COL_T * STRIDE;
-    uint32_t *survivor = r->wave->survivor;
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        survivor[kept] = i;
-        kept += distance[i] > 0.0f;
+    struct glint_compact *c = &r->wave->compact;
+    glint_compact_look(c, columns + (size_t)GK_COL_T * STRIDE, n,
+                       (uint32_t *)columns + (size_t)GK_COL_HELD * STRIDE, r->holding);
+    for (uint32_t k = 0; k < GK_COL_MOVED; k++) {
+        float *column = columns + (size_t)k * STRIDE;
+        if (k >= GK_COL_TIME && !(r->job->plan->carries >> k & 1))
+            continue;
+        if (of_coverage(k))
+            glint_compact_holding(c, column);
+        else
+            glint_compact_column(c, column);
     }
-    if (kept < n)
-        for (uint32_t c = 0; c < GK_COL_MOVED; c++) {
-            float *column = columns + (size_t)c * STRIDE;
-            if (c >= GK_COL_TIME && !(r->job->plan->carries >> c & 1))
-                continue;
-            for (uint32_t k = 0; k < kept; k++)
-                column[k] = column[survivor[k]];
-        }
+    r->holding = c->holding.count;
     glint_run_charge(r, GLINT_PASS_COMPACT);
-    return kept;
+    return c->holding.count + c->others.count;
 }
 
 // Relaxed: a bounce sooner or later.
@@ -159,15 +178,15 @@ static glint_status trace_paths(struct glint_run *r)
 {
     float *columns = glint_buffer_host(r->wave->columns);
     glint_status st = generate(r);
+    r->holding = r->job->matte_through ? r->lanes : 0;
     uint32_t n = st ? 0 : compact(r, r->lanes);
     r->wave->stats.camera_rays += n;
     while (!st && n > 0) {
         if (interrupted(r))
             return GLINT_E_BUSY;
-        glint_carried_look(r, n);
         glint_geometry_trace_wave(r->job->geometry, columns, STRIDE, n);
         glint_run_charge(r, GLINT_PASS_TRACE);
-        st = shade(r, r->holds || !r->job->plain ? r->job->program : r->job->plain, n);
+        st = shade_all(r, n);
         if (!st && glint_plan_has(r->job->plan, GLINT_PASS_SHADOW))
             st = trace_shadows(r, n);
         if (!st)
@@ -204,7 +223,7 @@ static glint_status accumulate_tile(struct glint_run *r, const struct glint_film
         st = accumulate_sample(r, at, GK_TILE_PIXELS, (s << r->pixels_log2) + first,
                                r->block->sample + s);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_COVERAGE)) {
-        st = glint_run_deposit(r, "deposit_coverage", at, GK_TILE_PIXELS, first);
+        st = glint_run_deposit_seen(r, at, GK_TILE_PIXELS, first);
         glint_run_charge(r, GLINT_PASS_COVERAGE);
     }
     return st;
@@ -237,8 +256,8 @@ glint_status glint_wave_run(glint_wave *wave, glint_worker *worker,
                           8 + 2 * block->tiles_log2,
                           block->samples << (8 + 2 * block->tiles_log2),
                           0,
+                          0,
                           glint_now(),
-                          job->matte_through,
                           false};
     glint_status st = glint_carried_begin(&r);
     if (!st)
@@ -256,17 +275,17 @@ static glint_status launch_all(struct glint_run *r)
     const struct glint_film_tile nowhere = {r->wave->columns, 0, r->wave->columns, 0};
     glint_status st = generate(r);
     if (!st)
-        st = shade(r, r->job->program, 0);
+        st = shade(r, r->job->program, 0, 0);
     if (!st && r->job->plain)
-        st = shade(r, r->job->plain, 0);
+        st = shade(r, r->job->plain, 0, 0);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_UNOCCLUDED))
         st = glint_run_launch(r, "add_unoccluded", 0, args, 3);
     if (!st)
         st = accumulate_sample(r, &nowhere, 0, 0, 0);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_COVERAGE))
-        st = glint_run_deposit(r, "deposit_coverage", &nowhere, 0, 0);
+        st = glint_run_deposit_seen(r, &nowhere, 0, 0);
     if (!st && r->job->matte_through)
-        st = glint_run_deposit(r, "deposit_carried", &nowhere, 0, 0);
+        st = glint_run_deposit_carried(r, r->wave->columns, 0);
     return st;
 }
 
@@ -280,7 +299,7 @@ glint_status glint_wave_compile(glint_devices *devices, const struct glint_wave_
     if (st)
         return st;
     struct glint_run r = {
-        wave, glint_devices_spare(devices), job, &nothing, NULL, err, 0, 0, 0, glint_now(), false,
+        wave, glint_devices_spare(devices), job, &nothing, NULL, err, 0, 0, 0, 0, glint_now(),
         true};
     pthread_mutex_lock(&one_at_a_time);
     st = launch_all(&r);

@@ -5,7 +5,7 @@
 #ifndef GLINT_RENDER_WAVE_PARTS_H
 #define GLINT_RENDER_WAVE_PARTS_H
 
-#include "render/wave.h"
+#include "render/compact.h"
 
 // Not a power of two, so that columns do not fall on the same cache sets.
 #define GLINT_WAVE_STRIDE (GLINT_WAVE_LANES + 16u)
@@ -15,7 +15,7 @@ struct glint_wave {
     glint_buffer *columns; // [GK_COLUMNS][GLINT_WAVE_STRIDE]
     glint_buffer *rect;    // struct gk_wave_rect
     glint_buffer *tables;  // slot tables of the block while its paths are on their way; NULL: none
-    uint32_t *survivor;    // [GLINT_WAVE_LANES]
+    struct glint_compact compact;
     struct glint_wave_stats stats;
 };
 
@@ -28,9 +28,9 @@ struct glint_run {
     glint_film *film;
     struct glint_error *err;
     uint32_t pixels_log2, lanes, bounce;
-    double mark;    // when the last pass ended
-    bool holds;     // a path has coverage to give away
-    bool compiling; // over no item, in the largest grid there will be
+    uint32_t holding; // the first paths, which have coverage to give away
+    double mark;      // when the last pass ended
+    bool compiling;   // over no item, in the largest grid there will be
 };
 
 #define GLINT_ARG_BUFFER(b) \
@@ -54,12 +54,12 @@ glint_status glint_run_tiles(struct glint_run *run, glint_visit_tile *visit);
 // The tables that a run deposits in are copies until it has come to its end, because one that is
 // interrupted leaves the film as it was. None of these does anything where no coverage is carried.
 glint_status glint_carried_begin(struct glint_run *run);
-void glint_carried_look(struct glint_run *run, uint32_t n); // whether any of n paths holds some
-glint_status glint_carried_deposit(struct glint_run *run);  // of the vertices just shaded
+glint_status glint_carried_deposit(struct glint_run *run); // of the vertices just shaded
 glint_status glint_carried_end(struct glint_run *run);
 
-// Of one tile: its primary coverage, and what was carried, as kernels of one signature.
-glint_status glint_run_deposit(struct glint_run *run, const char *kernel,
-                               const struct glint_film_tile *at, uint32_t n, uint32_t lane);
+// The kernels that deposit, over `n` pixels of one tile whose first lane is `lane`, or `n` paths.
+glint_status glint_run_deposit_seen(struct glint_run *run, const struct glint_film_tile *at,
+                                    uint32_t n, uint32_t lane);
+glint_status glint_run_deposit_carried(struct glint_run *run, glint_buffer *tables, uint32_t n);
 
 #endif

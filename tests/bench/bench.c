@@ -11,7 +11,7 @@ static int by_value(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-static double median_of(double *x, size_t n)
+double bench_median(double *x, size_t n)
 {
     qsort(x, n, sizeof *x, by_value);
     return n % 2 ? x[n / 2] : 0.5 * (x[n / 2 - 1] + x[n / 2]);
@@ -30,10 +30,10 @@ struct bench_ratio bench_ratio_of(const double *a, const double *b, size_t pairs
             random = random * 1664525u + 1013904223u;
             drawn[i] = ratio[(random >> 8) % pairs];
         }
-        medians[r] = median_of(drawn, pairs);
+        medians[r] = bench_median(drawn, pairs);
     }
     qsort(medians, RESAMPLES, sizeof *medians, by_value);
-    return (struct bench_ratio){median_of(ratio, pairs), medians[RESAMPLES / 40],
+    return (struct bench_ratio){bench_median(ratio, pairs), medians[RESAMPLES / 40],
                                 medians[RESAMPLES - 1 - RESAMPLES / 40]};
 }
 

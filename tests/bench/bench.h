@@ -11,6 +11,9 @@ struct bench_ratio {
 };
 struct bench_ratio bench_ratio_of(const double *a, const double *b, size_t pairs);
 
+// Sorts x[n], n at least 1.
+double bench_median(double *x, size_t n);
+
 // Fills a[pairs] and b[pairs] by calling the two in the order A B B A; each returns its cost.
 void bench_pairs(double (*run_a)(void *), double (*run_b)(void *), void *user, double *a, double *b,
                  size_t pairs);

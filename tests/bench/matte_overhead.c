@@ -1,20 +1,18 @@
 // matte_overhead - what ID coverage costs: CPU time of the same slices with it over without, at
 // 1920x1080 with 12 slots, in interleaved pairs. One scene a call: SCENE.{json,glb,gltf}.
-#include "base/clock.h"
 #include "tests/bench/bench.h"
-#include "tests/render/offline.h"
+#include "tests/bench/waves.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-enum { PAIRS = 25, SLICES = 24 };
+enum { PAIRS = 25 };
 
 struct bench {
     struct offline o;
     struct glint_posed rest;
     glint_worker *worker;
-    struct glint_slice slice[SLICES];
+    struct glint_slice slice[BENCH_WAVES];
     glint_render *a, *b;
 };
 
@@ -33,36 +31,16 @@ static glint_render *make(struct bench *b, const char *rest_of_job)
     return render;
 }
 
-static double run(struct bench *b, glint_render *render)
-{
-    const double start = glint_thread_cpu();
-    struct glint_error err = {0};
-    for (int s = 0; s < SLICES; s++)
-        if (glint_render_run(render, b->worker, &b->slice[s], &err))
-            offline_die("slice", &err);
-    return glint_thread_cpu() - start;
-}
-
 static double run_a(void *user)
 {
     struct bench *b = user;
-    return run(b, b->a);
+    return bench_waves_run(b->a, b->worker, b->slice);
 }
 
 static double run_b(void *user)
 {
     struct bench *b = user;
-    return run(b, b->b);
-}
-
-// Whole waves of 16 samples, spread over the frame.
-static void take_slices(struct bench *b)
-{
-    for (uint32_t s = 0; s < SLICES; s++) {
-        const uint32_t tile = (s * 341 + 170) % (120 * 67);
-        b->slice[s] =
-            (struct glint_slice){tile, tile % 120 * 16, tile / 120 * 16, 16, 16, 16, 16, 0};
-    }
+    return bench_waves_run(b->b, b->worker, b->slice);
 }
 
 static struct bench_ratio compare(struct bench *b, const char *with)
@@ -96,7 +74,7 @@ int main(int argc, char **argv)
     b.rest = offline_load_posed(&b.o, argv[1]);
     b.worker = glint_devices_worker(b.o.devices, 0);
     glint_worker_enter(b.worker);
-    take_slices(&b);
+    bench_waves_spread(b.slice, 120, 67);
     printf("{\"bench\":\"matte-overhead\",\"scene\":\"%s\",\"pairs\":%d", argv[1], PAIRS);
     for (size_t i = 0; i < sizeof variant / sizeof *variant; i++) {
         const struct bench_ratio r = compare(&b, variant[i].job);
