@@ -271,7 +271,7 @@ dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/clients/viewer_live te
 dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
 	tests/clients/blender_cryptomatte.py tests/clients/browser.py tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \
 	tests/http/contract_hooks.py tests/http/daemon.py tests/http/lasting.py tests/http/sandbox.py \
-	tests/http/soak_plot.py \
+	tests/http/rendering_watch.py tests/http/soak_plot.py \
 	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/density.h tests/kernel/surface.h \
 	tests/render/cryptomatte.py tests/render/cryptomatte_node.py \
 	tests/render/peers/balls-white.json tests/render/peers/balls.json \
