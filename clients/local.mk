@@ -28,6 +28,7 @@ libglintcli_a_SOURCES = \
 	clients/cli/memory_file.c clients/cli/memory_file.h \
 	clients/cli/options.c clients/cli/options.h \
 	clients/cli/order.c clients/cli/order.h \
+	clients/cli/outlook.c clients/cli/outlook.h \
 	clients/cli/output.c clients/cli/output.h \
 	clients/cli/pixel.c clients/cli/pixel.h \
 	clients/cli/problem.c clients/cli/problem.h \

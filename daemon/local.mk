@@ -139,6 +139,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/list.c \
 	daemon/jobs/look.c \
 	daemon/jobs/look.h \
+	daemon/jobs/outlook.c \
+	daemon/jobs/outlook.h \
 	daemon/jobs/need.c \
 	daemon/jobs/need.h \
 	daemon/jobs/patch.c \
@@ -175,9 +177,12 @@ libglintdaemon_a_SOURCES = \
 	daemon/render/film.h \
 	daemon/render/film_capture.c \
 	daemon/render/film_parts.h \
+	daemon/render/forecast.c \
+	daemon/render/forecast.h \
 	daemon/render/inside.c \
 	daemon/render/internal.h \
 	daemon/render/pass.c \
+	daemon/render/measure.c \
 	daemon/render/order.c \
 	daemon/render/order.h \
 	daemon/render/plan.c \

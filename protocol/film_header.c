@@ -1,6 +1,7 @@
 #include "protocol/film_header.h"
 
 #include "kernels/gk_matte.h"
+#include "protocol/bias.h"
 #include "protocol/cryptomatte.h"
 #include "protocol/fields.h"
 
@@ -30,6 +31,11 @@ static const struct glint_field moment_fields[] = {
     GLINT_FIELD(UINT, struct glint_film_moment, target, .high = GLINT_MAX_SAMPLES),
     GLINT_FIELD(DOUBLE, struct glint_film_moment, worker_seconds, .high = MAX_SECONDS),
     GLINT_FIELD_KNOWN("error"),
+    GLINT_FIELD_KNOWN("spread"),
+    GLINT_FIELD_KNOWN("linear"),
+    GLINT_FIELD_KNOWN("tone_mapped"),
+    GLINT_FIELD_KNOWN("tail"),
+    GLINT_FIELD_KNOWN("biases"),
     GLINT_FIELD_KNOWN("camera_rays"),
     GLINT_FIELD_KNOWN("bounce_rays"),
     GLINT_FIELD_KNOWN("shadow_rays"),
@@ -93,23 +99,20 @@ static void write_curve(struct glint_text *t, const struct glint_film_moment *m)
         write_count(t, "samples", m->curve[i].samples);
         write_double(t, "seconds", m->curve[i].seconds);
         write_double(t, "error", m->curve[i].error);
+        write_double(t, "spread", m->curve[i].spread);
         write_count(t, "rays", m->curve[i].rays);
         glint_text_add(t, "}");
     }
     glint_text_add(t, "]");
 }
 
-static void write_moment(struct glint_text *t, const struct glint_film_moment *m)
+static void write_estimate(struct glint_text *t, const struct glint_estimate *e)
 {
-    glint_text_key(t, "moment");
-    glint_text_add(t, "{");
-    glint_fields_write(t, moment_fields, m);
-    write_double(t, "error", m->error);
-    write_count(t, "camera_rays", m->camera_rays);
-    write_count(t, "bounce_rays", m->bounce_rays);
-    write_count(t, "shadow_rays", m->shadow_rays);
-    write_curve(t, m);
-    glint_text_add(t, "}");
+    write_double(t, "error", e->error);
+    write_double(t, "spread", e->spread);
+    write_double(t, "linear", e->linear);
+    write_double(t, "tone_mapped", e->tone_mapped);
+    write_double(t, "tail", e->tail);
 }
 
 static void write_tree(struct glint_text *t, const char *key, const cJSON *tree)
@@ -122,6 +125,22 @@ static void write_tree(struct glint_text *t, const char *key, const cJSON *tree)
     glint_text_key(t, key);
     glint_text_add(t, text);
     cJSON_free(text);
+}
+
+static void write_moment(struct glint_text *t, const struct glint_film_moment *m)
+{
+    glint_text_key(t, "moment");
+    glint_text_add(t, "{");
+    glint_fields_write(t, moment_fields, m);
+    write_estimate(t, &m->estimate);
+    write_count(t, "camera_rays", m->camera_rays);
+    write_count(t, "bounce_rays", m->bounce_rays);
+    write_count(t, "shadow_rays", m->shadow_rays);
+    write_curve(t, m);
+    cJSON *biases = glint_biases_names(m->biases);
+    write_tree(t, "biases", biases);
+    cJSON_Delete(biases);
+    glint_text_add(t, "}");
 }
 
 char *glint_film_header_write(const struct glint_film_header *h, size_t *length)
@@ -188,17 +207,33 @@ static void read_count(const struct glint_json *object, const char *key, uint64_
         *out = (uint64_t)n;
 }
 
+// NAN where it is absent.
+static void read_known(const struct glint_json *object, const char *key, double *out)
+{
+    const struct glint_json at = glint_json_member(object, key);
+    *out = NAN;
+    glint_json_double(&at, 0.0, INFINITY, out);
+}
+
 static void read_point(const struct glint_json *at, struct glint_convergence_point *p)
 {
-    static const char *const known[] = {"samples", "seconds", "error", "rays", NULL};
+    static const char *const known[] = {"samples", "seconds", "error", "spread", "rays", NULL};
     const struct glint_json samples = required(at, "samples"), seconds = required(at, "seconds");
-    const struct glint_json error = glint_json_member(at, "error");
     glint_json_only(at, known);
     glint_json_uint(&samples, 1, GLINT_MAX_SAMPLES, &p->samples);
     glint_json_double(&seconds, 0.0, MAX_SECONDS, &p->seconds);
-    p->error = NAN;
-    glint_json_double(&error, 0.0, INFINITY, &p->error);
+    read_known(at, "error", &p->error);
+    read_known(at, "spread", &p->spread);
     read_count(at, "rays", &p->rays);
+}
+
+static void read_estimate(const struct glint_json *moment, struct glint_estimate *e)
+{
+    read_known(moment, "error", &e->error);
+    read_known(moment, "spread", &e->spread);
+    read_known(moment, "linear", &e->linear);
+    read_known(moment, "tone_mapped", &e->tone_mapped);
+    read_known(moment, "tail", &e->tail);
 }
 
 static void read_curve(const struct glint_json *moment, struct glint_film_moment *m)
@@ -225,12 +260,11 @@ static void read_moment(const struct glint_json *root, struct glint_film_header 
 {
     struct glint_film_moment *m = &h->moment;
     const struct glint_json at = required(root, "moment");
-    const struct glint_json error = glint_json_member(&at, "error");
     if (!at.value)
         return;
     glint_fields_read(&at, moment_fields, &h->arena, m);
-    m->error = NAN;
-    glint_json_double(&error, 0.0, INFINITY, &m->error);
+    read_estimate(&at, &m->estimate);
+    m->biases = glint_biases_named(glint_json_member(&at, "biases").value);
     read_count(&at, "camera_rays", &m->camera_rays);
     read_count(&at, "bounce_rays", &m->bounce_rays);
     read_count(&at, "shadow_rays", &m->shadow_rays);

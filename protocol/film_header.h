@@ -9,13 +9,24 @@
 #include <cjson/cJSON.h>
 
 #define GLINT_MAX_FILM_HEADER ((size_t)1 << 28) // bytes of JSON
-#define GLINT_CURVE_POINTS 25                   // powers of two up to GLINT_MAX_SAMPLES
+#define GLINT_CURVE_POINTS 26                   // powers of two up to GLINT_MAX_SAMPLES, and 12
 
-// One point of the recorded curve at each power of two (samples) since the start.
+// One point of the recorded curve at each power of two (samples) since the start, and at 12, so
+// that at 16 there are five.
 struct glint_convergence_point {
     uint32_t samples;
     double seconds, error;
+    double spread; // standard deviation of the logarithm of the error's square, NAN: not known
     uint64_t rays;
+};
+
+// A job's own estimate of its error; NAN where not known. v: variance of a pixel's mean m.
+struct glint_estimate {
+    double error;       // sqrt(mean of v / (m^2 + 0.01)) over pixels and r, g, b
+    double spread;      // as above
+    double linear;      // sqrt(mean of v), likewise
+    double tone_mapped; // after T(c) = c / (1 + max(r, g, b)): sqrt(mean over pixels of the sum)
+    double tail;        // Hill's index of the worst hundredth of pixel variances
 };
 
 // A film at one moment. Its tiles have the samples [first, sample) of the job, and [first, sample +
@@ -25,9 +36,10 @@ struct glint_film_moment {
     bool stopped;                         // by its error
     uint32_t sample, samples, tiles_log2; // the pass: blocks of 2^n tiles a side; samples 0: none
     uint32_t target;                      // sample index at which the job ends at the latest
-    double error;                         // the job's own estimate, NAN: none
+    struct glint_estimate estimate;
     double worker_seconds;
     uint64_t camera_rays, bounce_rays, shadow_rays;
+    uint32_t biases; // approximations that it was rendered under, of bias.h
     uint32_t points;
     struct glint_convergence_point curve[GLINT_CURVE_POINTS];
 };

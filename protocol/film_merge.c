@@ -123,8 +123,11 @@ static void describe(glint_film_sum *s, const struct glint_film_part *part, size
     s->header.info.job = &s->job;
     s->header.plan = first->plan;
     struct glint_film_moment *m = &s->header.moment;
-    *m = (struct glint_film_moment){
-        .complete = true, .sample = s->end, .target = s->end, .error = NAN};
+    *m = (struct glint_film_moment){.complete = true,
+                                    .sample = s->end,
+                                    .target = s->end,
+                                    .estimate = {NAN, NAN, NAN, NAN, NAN}};
+    m->biases = first->moment.biases;
     for (size_t i = 0; i < count; i++)
         add_moment(m, &glint_film_file_header(part[i].file)->moment);
 }

@@ -6,6 +6,8 @@ libglint_a_SOURCES = \
 	protocol/arena.h \
 	protocol/cryptomatte.c \
 	protocol/cryptomatte.h \
+	protocol/bias.c \
+	protocol/bias.h \
 	protocol/dials.c \
 	protocol/dials.h \
 	protocol/exr.h \

@@ -52,6 +52,7 @@ UNIT_TESTS = \
 	tests/unit/test_film \
 	tests/unit/test_film_file \
 	tests/unit/test_folders \
+	tests/unit/test_forecast \
 	tests/unit/test_frame \
 	tests/unit/test_frames \
 	tests/unit/test_http \
@@ -116,10 +117,11 @@ STABILITY_TESTS = \
 	tests/stability/test_texture
 check_PROGRAMS += $(UNIT_TESTS) $(STABILITY_TESTS)
 endif
-check_PROGRAMS += tests/render/render_file tests/render/write_frame tests/unit/import_dump
+check_PROGRAMS += tests/accuracy/forecast tests/render/render_file tests/render/write_frame tests/unit/import_dump
 offline = tests/render/offline.c tests/render/offline.h
 picture = tests/render/picture.c tests/render/picture.h
 things = tests/render/things.c tests/render/things.h $(picture)
+tests_accuracy_forecast_SOURCES = tests/accuracy/forecast.c $(offline)
 tests_render_render_file_SOURCES = tests/render/render_file.c $(offline)
 tests_render_test_camera_SOURCES = tests/render/test_camera.c $(offline) $(picture)
 tests_render_test_transport_SOURCES = tests/render/test_transport.c $(offline)

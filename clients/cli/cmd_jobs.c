@@ -2,6 +2,7 @@
 #include "command.h"
 #include "follow.h"
 #include "interrupt.h"
+#include "outlook.h"
 #include "problem.h"
 #include "table.h"
 #include "tev_stream.h"
@@ -44,6 +45,7 @@ static void print_job(struct glint_session *s, cJSON *job)
         return;
     }
     glint_table_print_one(one, job);
+    glint_outlook_print(cJSON_GetObjectItemCaseSensitive(job, "estimate"));
     cJSON_Delete(job);
 }
 

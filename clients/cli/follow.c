@@ -1,5 +1,6 @@
 #include "follow.h"
 #include "interrupt.h"
+#include "outlook.h"
 #include "problem.h"
 #include "protocol/job.h"
 #include "sse.h"
@@ -57,6 +58,9 @@ static void update(struct follower *f, const cJSON *data)
     take_number(data, "progress", &f->shown.fraction);
     take_number(data, "error", &f->shown.error);
     take_number(data, "eta_seconds", &f->shown.eta_seconds);
+    const cJSON *estimate = member(data, "estimate");
+    if (estimate)
+        glint_outlook_short(estimate, f->shown.outlook, sizeof f->shown.outlook);
     take_count(data, "samples", &f->shown.samples);
     take_count(data, "target_samples", &f->shown.target_samples);
     if (f->shown.target_samples >= GLINT_MAX_SAMPLES)

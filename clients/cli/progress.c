@@ -62,6 +62,8 @@ static int describe(char *text, size_t size, const struct glint_progress_state *
     n += snprintf(text + n, size - (size_t)n, " samples");
     if (isfinite(s->error))
         n += snprintf(text + n, size - (size_t)n, "  error %.4f", s->error);
+    if (*s->outlook)
+        n += snprintf(text + n, size - (size_t)n, " (%s)", s->outlook);
     if (isfinite(s->eta_seconds))
         n += snprintf(text + n, size - (size_t)n, "  ETA %s",
                       glint_progress_duration(s->eta_seconds, duration));
@@ -70,7 +72,7 @@ static int describe(char *text, size_t size, const struct glint_progress_state *
 
 static void draw_bar(struct glint_progress *p, const struct glint_progress_state *s)
 {
-    char text[160], bar[WIDEST_BAR + 1];
+    char text[220], bar[WIDEST_BAR + 1];
     const int length = describe(text, sizeof text, s);
     int width = terminal_width() - length - 3;
     width = width > WIDEST_BAR ? WIDEST_BAR : width;

@@ -28,6 +28,7 @@ struct glint_progress_state {
     double error;                     // NAN: not known
     double eta_seconds;               // NAN: not known
     const char *state;                // of the job
+    char outlook[48];                 // when its error will be reached, "": not known
 };
 
 // "auto" (or NULL), "bar", "plain", "openjd", "none"; false for another name. auto: the bar if

@@ -1,7 +1,7 @@
 // The convergence plot: error over samples, both logarithmic, with where it is to end.
 import { getJson, jobPath } from "./api.js";
 import { h } from "./dom.js";
-import { count, seconds, short } from "./format.js";
+import { count, forecast, seconds, short } from "./format.js";
 import { describeProblem } from "./problems.js";
 
 const W = 310, H = 230, LEFT = 44, RIGHT = 10, TOP = 12, BOTTOM = 30;
@@ -41,10 +41,21 @@ function axes(x, y) {
     ];
 }
 
-function plot(points, { requested_error: wanted, predicted_samples: predicted }) {
-    const last = points.at(-1), aim = wanted && predicted ? { samples: predicted, error: wanted } : null;
+// The ends of the interval around an error that holds in nine cases of ten.
+const ends = (p) => [-1, 1].map((sign) => p.error * Math.exp(sign * 0.8224 * p.spread));
+
+function bars(points, aim, x, y) {
+    const bar = (x1, x2, y1, y2) => h("line.bar", { x1, x2, y1, y2 });
+    return [...points.filter((p) => p.spread).map((p) => {
+        const [low, high] = ends(p).map(y.at);
+        return bar(x.at(p.samples), x.at(p.samples), low, high);
+    }), aim?.range?.[1] ? bar(x.at(aim.range[0]), x.at(aim.range[1]), y.at(aim.error), y.at(aim.error)) : null];
+}
+
+function plot(points, { requested_error: wanted, predicted_samples: predicted, estimate }) {
+    const last = points.at(-1), aim = wanted && predicted ? { samples: predicted, error: wanted, range: estimate.forecast?.interval } : null;
     const xs = points.map((p) => p.samples), ys = points.map((p) => p.error);
-    const x = scale(aim ? [...xs, aim.samples] : xs, LEFT, W - RIGHT);
+    const x = scale(aim ? [...xs, aim.samples, ...(aim.range?.[1] ? aim.range : [])] : xs, LEFT, W - RIGHT);
     const y = scale(wanted ? [...ys, wanted] : ys, H - BOTTOM, TOP);
     const to = (p) => `${x.at(p.samples).toFixed(1)} ${y.at(p.error).toFixed(1)}`;
     const far = Math.min(x.high, last.samples * (last.error / y.low) ** 2); // where it leaves the plot
@@ -55,6 +66,7 @@ function plot(points, { requested_error: wanted, predicted_samples: predicted })
         axes(x, y),
         h("path.ideal", { d: `M${to(last)}L${to(ideal)}`, fill: "none" }),
         wanted ? h("line.target", { x1: LEFT, x2: W - RIGHT, y1: y.at(wanted), y2: y.at(wanted) }) : null,
+        bars(points, aim, x, y),
         h("path.curve", { d: `M${points.map(to).join("L")}` }),
         points.map((p) => h("circle.dot", { cx: x.at(p.samples), cy: y.at(p.error), r: 2.6 })),
         aim ? h("circle.aim", { cx: x.at(aim.samples), cy: y.at(aim.error), r: 5 }) : null);
@@ -74,7 +86,8 @@ function draw(data) {
     if (now.error > 0 && now.samples > (points.at(-1)?.samples ?? 0)) points.push(now);
     const words = [data.error > 0 ? `Error ${figure(data.error)} after ${count(data.samples)} samples.` : null,
         data.requested_error ? `Wanted: ${figure(data.requested_error)}.` : null,
-        data.requested_error && data.predicted_samples ? `Predicted at ${count(data.predicted_samples)} samples.` : null];
+        data.estimate.rare_events ? "Rare events dominate the noise: it may be larger." : null,
+        forecast(data.estimate.forecast)?.replace(/^/, "Forecast: ").concat(".")];
     return [
         points.length > 1 ? plot(points, data) : h("p.hint", {}, "There is a curve from four samples on."),
         h("p.hint", {}, words.filter(Boolean).join(" ")),

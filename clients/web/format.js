@@ -38,3 +38,11 @@ export function number(v) {
 }
 
 export const signed = (v) => (v < 0 ? "−" : "+") + Math.abs(v).toFixed(2);
+
+// Of a job's estimate; null where nothing is foretold.
+export function forecast(f) {
+    if (!f?.samples) return null;
+    const range = f.lower_bound ? " or more" : ` (${count(f.interval[0])} to ${count(f.interval[1])})`;
+    return `${number(f.error)} at ${count(f.samples)} samples${range}` +
+        (f.reachable ? "" : ", unreachable with these settings");
+}

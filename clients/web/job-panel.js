@@ -1,17 +1,22 @@
 // One job: its figures, and what can be done with it.
 import { jobPath, patchJson, request } from "./api.js";
 import { h, put, say } from "./dom.js";
-import { bytes, count, number, seconds, short } from "./format.js";
+import { bytes, count, forecast, number, seconds, short } from "./format.js";
 import { ended, jobTitle } from "./jobs.js";
 import { describeProblem, showProblem } from "./problems.js";
 
 const WAITS = { turn: "its turn", preparation: "its program and film", memory: "memory that others hold" };
 
+const interval = (ends) => (ends?.[0] && ends[1] ? ` (${number(ends[0])} to ${number(ends[1])})` : "");
+
 const ROWS = [
     ["State", (j) => (j.waits_for ? `${j.state}, waits for ${WAITS[j.waits_for] ?? j.waits_for}` : j.state)],
     ["Scene", (j) => j.scene],
     ["Samples", (j) => (j.target_samples ? `${count(j.samples)} of ${count(j.target_samples)}` : count(j.samples))],
-    ["Error", (j) => (j.error === null ? "–" : number(j.error))],
+    ["Error", (j) => (j.error === null ? "–" : number(j.error) + interval(j.estimate?.interval))],
+    ["Rare events", (j) => (j.estimate?.rare_events ? "dominate the noise: the error may be larger" : null)],
+    ["Forecast", (j) => forecast(j.estimate?.forecast)],
+    ["Not in the error", (j) => j.estimate?.biases.map((b) => `${b.name} ${b.setting}`).join(", ") || null],
     ["Time", (j) => seconds(j.seconds) + (j.eta_seconds && !j.job?.live && !ended(j.state) ? `, ${seconds(j.eta_seconds)} left` : "")],
     ["Worker time", (j) => seconds(j.worker_seconds)],
     ["Rays", (j) => (j.rays ? short(j.rays.camera + j.rays.bounce + j.rays.shadow) : "–")],

@@ -1,6 +1,7 @@
 #include "http/answer.h"
 #include "http/pixels.h"
 #include "http/resources.h"
+#include "jobs/outlook.h"
 
 #include <math.h>
 
@@ -32,6 +33,7 @@ static cJSON *describe_point(const struct glint_convergence_point *p)
     add_number(o, "seconds", p->seconds);
     cJSON_AddNumberToObject(o, "rays", (double)p->rays);
     add_number(o, "error", p->error);
+    add_number(o, "spread", p->spread);
     return o;
 }
 
@@ -50,9 +52,12 @@ void glint_http_job_convergence(struct glint_request *r)
     for (size_t i = 0; i < points; i++)
         cJSON_AddItemToArray(curve, describe_point(&point[i]));
     cJSON_AddNumberToObject(answer, "samples", state.samples);
-    add_number(answer, "error", state.error);
+    add_number(answer, "error", state.estimate.error);
     add_number(answer, "requested_error", view.stop.error > 0 ? view.stop.error : NAN);
-    add_number(answer, "predicted_samples", state.predicted_samples);
+    add_number(answer, "predicted_samples", state.forecast.samples[0]);
+    cJSON_AddItemToObject(
+        answer, "estimate",
+        glint_outlook_describe(&state, view.job, view.parallel, glint_pixels_final(&view)));
     glint_answer_json(r, MHD_HTTP_OK, answer);
     glint_jobs_release(r->http->jobs, &view);
 }

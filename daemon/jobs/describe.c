@@ -1,6 +1,7 @@
 #include "jobs/describe.h"
 
 #include "base/clock.h"
+#include "jobs/outlook.h"
 #include "protocol/problem.h"
 
 #include <math.h>
@@ -83,8 +84,8 @@ static double eta(const struct moment *m, const struct glint_render_state *r)
         left = m->seconds * (1 - r->progress) / r->progress;
     if (m->stop.seconds > 0)
         left = fmin(left, m->stop.seconds - m->seconds);
-    if (r->samples && isfinite(r->predicted_samples))
-        left = fmin(left, m->seconds * (r->predicted_samples / r->samples - 1));
+    if (r->samples && isfinite(r->forecast.samples[0]))
+        left = fmin(left, m->seconds * (r->forecast.samples[0] / r->samples - 1));
     return isnan(left) ? NAN : fmax(left, 0);
 }
 
@@ -99,7 +100,7 @@ static void add_rays(cJSON *object, const struct glint_render_state *r)
 // Who has no render is what was kept of it, on the way to the stop that it has by now.
 static struct glint_render_state rendered(const struct moment *m)
 {
-    struct glint_render_state r = {.error = NAN, .predicted_samples = NAN};
+    struct glint_render_state r = GLINT_NOTHING_RENDERED;
     if (m->render) {
         glint_render_state(m->render, &r);
         return r;
@@ -111,14 +112,17 @@ static struct glint_render_state rendered(const struct moment *m)
     return r;
 }
 
-static void add_render(cJSON *object, const struct moment *m)
+static void add_render(cJSON *object, const struct glint_entry *e, const struct moment *m)
 {
     const struct glint_render_state r = rendered(m);
     const bool bounded = r.target_samples && r.target_samples < GLINT_MAX_SAMPLES;
     cJSON_AddNumberToObject(object, "samples", r.samples);
     add_number(object, "target_samples", bounded ? r.target_samples : NAN);
     add_number(object, "progress", progress(m, &r));
-    add_number(object, "error", r.error);
+    add_number(object, "error", r.estimate.error);
+    cJSON_AddItemToObject(object, "estimate",
+                          glint_outlook_describe(&r, e->job, m->seconds / m->worker_seconds,
+                                                 glint_state_ended(m->state)));
     add_number(object, "seconds", m->seconds);
     add_number(object, "eta_seconds", eta(m, &r));
     add_number(object, "worker_seconds", m->worker_seconds);
@@ -208,7 +212,7 @@ static cJSON *describe(const struct glint_entry *e, const struct moment *m)
     cJSON_AddStringToObject(object, "state", glint_job_state_name(m->state));
     add_wait(object, m);
     cJSON_AddNumberToObject(object, "priority", m->priority);
-    add_render(object, m);
+    add_render(object, e, m);
     add_checkpoint(object, m);
     cJSON_AddNumberToObject(object, "memory_bytes", (double)memory_of(e, m));
     cJSON_AddStringToObject(object, "plan", plan);

@@ -238,7 +238,7 @@ static glint_status keep_and_add(glint_jobs *jobs, struct glint_entry *entry,
     strcpy(own, entry->id);
     entry->keeper = jobs->checkpoints;
     entry->kept.at = glint_now();
-    entry->kept.rendered = (struct glint_render_state){.error = NAN, .predicted_samples = NAN};
+    entry->kept.rendered = GLINT_NOTHING_RENDERED;
     glint_status st = glint_job_row_add(journal, entry, err);
     if (st)
         return st;
@@ -454,13 +454,16 @@ glint_status glint_jobs_view(glint_jobs *jobs, const char *id, struct glint_job_
     struct glint_entry *entry = glint_job_table_hold(&jobs->table, id, err);
     if (!entry)
         return GLINT_E_NOT_FOUND;
+    const double now = glint_now();
     pthread_mutex_lock(&jobs->table.mutex);
-    *out = (struct glint_job_view){.render = entry->render,
-                                   .state = entry->state,
-                                   .job = entry->job,
-                                   .stop = entry->stop,
-                                   .sequence = entry->sequence,
-                                   .hold = entry};
+    *out =
+        (struct glint_job_view){.render = entry->render,
+                                .parallel = glint_entry_seconds(entry, now) / entry->worker_seconds,
+                                .state = entry->state,
+                                .job = entry->job,
+                                .stop = entry->stop,
+                                .sequence = entry->sequence,
+                                .hold = entry};
     entry->views += entry->render != NULL;
     strcpy(out->revision, glint_revision_id(entry->revision));
     pthread_mutex_unlock(&jobs->table.mutex);

@@ -101,7 +101,7 @@ struct glint_jobs_filter {
 };
 
 // {"id","name","client","request","scene","revision","state","waits_for","priority","samples",
-//  "target_samples","progress","error","seconds","eta_seconds","worker_seconds","checkpoint",
+//  "target_samples","progress","error","estimate":{...},"seconds","eta_seconds","worker_seconds","checkpoint",
 //  "memory_bytes","rays":{...},"plan","problem","warnings","created","job":{...}} and
 // {"jobs": [...], "next": id or null} in order of submission; filter: NULL: all; next: what to go on
 // behind, when the limit has cut the list. Numbers not known yet are null; "problem" is there when
@@ -133,6 +133,7 @@ struct glint_job_view {
     enum glint_job_state state;
     const struct glint_job *job;
     struct glint_job_stop stop; // as it is now, the job's own or another since
+    double parallel; // seconds of the job for a second of one worker; NAN before there is one
     char revision[65];
     uint64_t sequence; // grows with every change of this job
     void *hold;

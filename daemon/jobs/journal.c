@@ -1,6 +1,7 @@
 #include "jobs/journal.h"
 
 #include "base/clock.h"
+#include "jobs/outlook.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,8 +28,7 @@ char *glint_job_rendered_write(const struct glint_render_state *s)
     add(o, "samples", s->samples);
     add(o, "target_samples", s->target_samples);
     add(o, "progress", s->progress);
-    add(o, "error", s->error);
-    add(o, "predicted_samples", s->predicted_samples);
+    glint_outlook_write(o, s);
     add(o, "camera_rays", (double)s->camera_rays);
     add(o, "bounce_rays", (double)s->bounce_rays);
     add(o, "shadow_rays", (double)s->shadow_rays);
@@ -47,11 +47,10 @@ void glint_job_rendered_read(struct glint_render_state *out, const char *text)
     cJSON *o = cJSON_Parse(text);
     *out = (struct glint_render_state){.samples = (uint32_t)fmin(count(o, "samples"), UINT32_MAX),
                                        .progress = get(o, "progress", 0),
-                                       .error = get(o, "error", NAN),
-                                       .predicted_samples = get(o, "predicted_samples", NAN),
                                        .camera_rays = count(o, "camera_rays"),
                                        .bounce_rays = count(o, "bounce_rays"),
                                        .shadow_rays = count(o, "shadow_rays")};
+    glint_outlook_read(out, o);
     out->target_samples = (uint32_t)fmin(count(o, "target_samples"), UINT32_MAX);
     cJSON_Delete(o);
 }

@@ -77,6 +77,11 @@ void glint_archive_release(struct glint_film_source *source)
     free(source->user);
 }
 
+uint32_t glint_archive_biases(const glint_archive *a)
+{
+    return glint_film_file_header(a->file)->moment.biases;
+}
+
 cJSON *glint_archive_plan(const glint_archive *a)
 {
     const cJSON *plan = glint_film_file_header(a->file)->plan;

@@ -22,4 +22,7 @@ void glint_archive_release(struct glint_film_source *source);
 
 cJSON *glint_archive_plan(const glint_archive *archive); // a new object
 
+// Those of the job when it rendered, as in protocol/bias.h.
+uint32_t glint_archive_biases(const glint_archive *archive);
+
 #endif

@@ -1,36 +1,185 @@
 #include "render/estimate.h"
 
 #include "kernels/gk_film.h"
-#include "protocol/film.h"
 
 #include <math.h>
+#include <string.h>
 
-double glint_estimate_tile(const float *planes, bool wide, const uint32_t half[2], uint32_t w,
-                           uint32_t h)
+#define DARK 0.01      // added to squares of means
+#define RARE 2.5       // Hill's index below which events are rare
+#define TAIL 0.01      // of the pixels
+#define LOOKS_OFF 0.05 // of jobs that may stop too early
+
+// ---- a tile
+
+struct pixel {
+    double a[3], b[3];
+};
+
+static double largest(const double c[3])
 {
-    double sum = 0.0;
-    for (uint32_t y = 0; y < h; y++)
-        for (uint32_t x = 0; x < w; x++)
-            for (uint32_t c = 0; c < 3; c++) {
-                const uint32_t i = y * GK_TILE_SIDE + x;
-                const double a = glint_film_mean(planes, wide, 0, c, i, half[0]);
-                const double b = glint_film_mean(planes, wide, 1, c, i, half[1]);
-                const double m = (a * half[0] + b * half[1]) / (half[0] + half[1]);
-                sum += 0.25 * (a - b) * (a - b) / (m * m + 0.01);
-            }
-    return sum;
+    return fmax(fmax(c[0], fmax(c[1], c[2])), 0.0);
 }
 
-double glint_estimate_upper(double error, uint64_t pixels)
+static void load(struct pixel *p, const float *planes, bool wide, const uint32_t half[2],
+                 uint32_t i)
 {
-    // The relative standard deviation of the estimate is 1/sqrt(2 P) for P independent pixels.
-    return error * (1.0 + 3.29 / sqrt(2.0 * (double)pixels));
+    for (uint32_t c = 0; c < 3; c++) {
+        p->a[c] = glint_film_mean(planes, wide, 0, c, i, half[0]);
+        p->b[c] = glint_film_mean(planes, wide, 1, c, i, half[1]);
+    }
 }
 
-bool glint_estimate_checkpoint(uint32_t samples)
+static double square(double x)
 {
+    return x * x;
+}
+
+static void count_tail(struct glint_tile_estimate *out, double v)
+{
+    const double bin = floor(GLINT_TAIL_STEPS * log2(v)) + GLINT_TAIL_BINS / 2;
+    const int at = (int)fmin(fmax(bin, 0.0), GLINT_TAIL_BINS - 1.0);
+    out->tail[at] += out->tail[at] < UINT8_MAX;
+}
+
+// Adds a pixel; its relative variance.
+static double add_pixel(struct glint_tile_estimate *out, const struct pixel *p,
+                        const uint32_t half[2])
+{
+    const double n = (double)half[0] + half[1], share = half[0] / n, weight = share * half[1] / n;
+    const double ta = 1.0 / (1.0 + largest(p->a)), tb = 1.0 / (1.0 + largest(p->b));
+    double relative = 0.0, linear = 0.0;
+    for (int c = 0; c < 3; c++) {
+        const double m = p->a[c] * share + p->b[c] * (1.0 - share);
+        const double v = weight * square(p->a[c] - p->b[c]);
+        relative += v / (m * m + DARK);
+        linear += v;
+        out->tone += weight * square(p->a[c] * ta - p->b[c] * tb);
+    }
+    out->relative += relative;
+    out->linear += linear;
+    if (linear > 0.0)
+        count_tail(out, linear);
+    return relative;
+}
+
+void glint_estimate_tile(struct glint_tile_estimate *out, const float *planes, bool wide,
+                         const uint32_t half[2], uint32_t w, uint32_t h)
+{
+    struct pixel p;
+    memset(out, 0, sizeof *out);
+    for (uint32_t y = 0; y < h; y++) {
+        double left = 0.0;
+        for (uint32_t x = 0; x < w; x++) {
+            load(&p, planes, wide, half, y * GK_TILE_SIDE + x);
+            const double v = add_pixel(out, &p, half);
+            if (x % 2)
+                out->spread += square(v - left);
+            else if (x + 1 == w)
+                out->spread += v * v;
+            left = v;
+        }
+    }
+}
+
+// ---- a film
+
+// Source: Hill 1975. Logarithms are spread evenly over a bin.
+static double tail_index(const uint64_t count[GLINT_TAIL_BINS])
+{
+    const double octave = log(2.0) / GLINT_TAIL_STEPS;
+    uint64_t all = 0;
+    for (int b = 0; b < GLINT_TAIL_BINS; b++)
+        all += count[b];
+    const double wanted = TAIL * (double)all;
+    double taken = 0.0, sum = 0.0, low = GLINT_TAIL_BINS;
+    for (int b = GLINT_TAIL_BINS; b-- > 0 && taken < wanted;) {
+        const double n = fmin((double)count[b], wanted - taken);
+        const double share = count[b] ? n / (double)count[b] : 0.0; // the upper part of the bin
+        sum += n * (b + 1 - 0.5 * share);
+        taken += n;
+        low = b + 1 - share;
+    }
+    const double excess = taken > 0.0 ? (sum / taken - low) * octave : 0.0;
+    return taken >= 1.0 && excess > 0.0 ? 1.0 / excess : NAN;
+}
+
+static uint32_t cell_of(uint32_t tile, uint32_t columns, uint32_t rows)
+{
+    const uint64_t x = tile % columns, y = tile / columns;
+    const uint32_t wide = columns < GLINT_ESTIMATE_CELLS ? columns : GLINT_ESTIMATE_CELLS;
+    const uint32_t high = rows < GLINT_ESTIMATE_CELLS ? rows : GLINT_ESTIMATE_CELLS;
+    return (uint32_t)(y * high / rows) * wide + (uint32_t)(x * wide / columns);
+}
+
+void glint_estimate_film(struct glint_film_estimate *out, const struct glint_tile_estimate *tile,
+                         uint32_t columns, uint32_t rows, uint64_t pixels)
+{
+    uint64_t tail[GLINT_TAIL_BINS] = {0};
+    double relative = 0.0, spread = 0.0, linear = 0.0, tone = 0.0;
+    memset(out, 0, sizeof *out);
+    for (uint32_t t = 0; t < columns * rows; t++) {
+        const uint32_t cell = cell_of(t, columns, rows);
+        out->cells = cell >= out->cells ? cell + 1 : out->cells;
+        out->relative[cell] += tile[t].relative;
+        out->spread[cell] += tile[t].spread;
+        relative += tile[t].relative;
+        spread += tile[t].spread;
+        linear += tile[t].linear;
+        tone += tile[t].tone;
+        for (int b = 0; b < GLINT_TAIL_BINS; b++)
+            tail[b] += tile[t].tail[b];
+    }
+    out->whole = (struct glint_estimate){.error = sqrt(relative / (3.0 * (double)pixels)),
+                                         .spread = relative > 0.0 ? sqrt(spread) / relative : 0.0,
+                                         .linear = sqrt(linear / (3.0 * (double)pixels)),
+                                         .tone_mapped = sqrt(tone / (double)pixels),
+                                         .tail = tail_index(tail)};
+}
+
+// ---- what it means
+
+double glint_normal_quantile(double p)
+{
+    double low = -10.0, high = 10.0;
+    for (int i = 0; i < 60; i++) {
+        const double x = 0.5 * (low + high);
+        if (0.5 * erfc(-x * M_SQRT1_2) < p)
+            low = x;
+        else
+            high = x;
+    }
+    return 0.5 * (low + high);
+}
+
+// `spread` is that of the error's square: of its logarithm, twice that of the error's.
+static double end(const struct glint_estimate *e, double z)
+{
+    return e->error * exp(0.5 * z * e->spread);
+}
+
+void glint_estimate_interval(const struct glint_estimate *e, double interval[2])
+{
+    const double z = glint_normal_quantile(0.95);
+    interval[0] = end(e, -z);
+    interval[1] = end(e, z);
+}
+
+double glint_estimate_upper(const struct glint_estimate *e, uint32_t look)
+{
+    return end(e, glint_normal_quantile(1.0 - LOOKS_OFF / look / (look + 1.0)));
+}
+
+bool glint_estimate_rare(const struct glint_estimate *e)
+{
+    return e->tail < RARE;
+}
+
+uint32_t glint_estimate_look(uint32_t samples)
+{
+    uint32_t look = 1;
     double next = 16.0;
-    while (next < samples)
+    for (; next < samples; look++)
         next = ceil(next * 1.189207 / 16.0) * 16.0;
-    return samples > 0 && next == samples;
+    return samples > 0 && next == samples ? look : 0;
 }

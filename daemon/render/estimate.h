@@ -1,22 +1,63 @@
 // estimate.h - the job's own error, from the difference of its two independent halves.
 //
-// Source: ACCURACY 5: v = (A - B)^2 / 4 is an unbiased estimate of the variance of the mean.
+// Source: ACCURACY 5. With n = nA + nB samples, v = (A - B)^2 nA nB / n^2 is an unbiased estimate
+// of the variance of a pixel's mean: (A - B)^2 / 4 for halves of one size. How far the sum of v may
+// be off is taken from neighbouring pixels: (v - v')^2 estimates the variance of v + v' where both
+// are alike, whatever the kurtosis of their noise, and more where they are not.
 #ifndef GLINT_RENDER_ESTIMATE_H
 #define GLINT_RENDER_ESTIMATE_H
+
+#include "protocol/film_header.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 
-// Sum over the pixels (0 <= x < w, 0 <= y < h of the tile) and RGB of v / (m^2 + 0.01). half:
-// samples of the halves, both > 0.
-double glint_estimate_tile(const float *planes, bool wide, const uint32_t half[2], uint32_t w,
-                           uint32_t h);
+#define GLINT_TAIL_BINS 256    // of pixel variances, GLINT_TAIL_STEPS to an octave
+#define GLINT_TAIL_STEPS 4     // the middle bin begins at 1
+#define GLINT_ESTIMATE_CELLS 8 // along a side of the grid of parts of a picture
 
-// Upper end of the interval around an estimate over `pixels` pixels, one in a thousand looks.
-double glint_estimate_upper(double error, uint64_t pixels);
+// Sums over the pixels of a film tile; r, g and b count as three.
+struct glint_tile_estimate {
+    double relative;               // of v / (m^2 + 0.01), m the pixel's mean
+    double spread;                 // variance of that sum
+    double linear;                 // of v
+    double tone;                   // of v of T(A) and T(B), T(c) = c / (1 + max(r, g, b))
+    uint8_t tail[GLINT_TAIL_BINS]; // pixels by their v, r, g and b summed
+};
+
+// What a film holds, measured when a pass of it ended.
+struct glint_film_estimate {
+    struct glint_estimate whole;
+    uint32_t cells; // tiles of the film by where they are; 0: not known
+    double relative[GLINT_ESTIMATE_CELLS * GLINT_ESTIMATE_CELLS];
+    double spread[GLINT_ESTIMATE_CELLS * GLINT_ESTIMATE_CELLS];
+};
+
+// Of the pixels 0 <= x < w, 0 <= y < h of a tile. half: samples of the halves, both > 0.
+void glint_estimate_tile(struct glint_tile_estimate *out, const float *planes, bool wide,
+                         const uint32_t half[2], uint32_t w, uint32_t h);
+
+// Of the film whose tiles these are, row by row; pixels: of the film. In the order of the tiles, so
+// that a decision does not depend on who rendered them.
+void glint_estimate_film(struct glint_film_estimate *out, const struct glint_tile_estimate *tile,
+                         uint32_t columns, uint32_t rows, uint64_t pixels);
+
+// The ends of the interval around an error that holds in 9 of 10 cases.
+void glint_estimate_interval(const struct glint_estimate *e, double interval[2]);
+
+// Upper end of the interval for look number `look`, from 1 on: in one job of twenty, with however
+// many looks, the error lies above one of them. Source: alpha spent as 1/(k (k + 1)).
+double glint_estimate_upper(const struct glint_estimate *e, uint32_t look);
+
+// Whether few pixels have so much of the variance that an estimate misses what is still to come:
+// Hill's index of the worst hundredth is below 2.5.
+bool glint_estimate_rare(const struct glint_estimate *e);
 
 // Sample counts at which a job that stops by error looks at itself: 16, 32, then in steps of about
-// 2^(1/4), whole passes.
-bool glint_estimate_checkpoint(uint32_t samples);
+// 2^(1/4), whole passes. Returns the number of the look, from 1 on; 0: none is due.
+uint32_t glint_estimate_look(uint32_t samples);
+
+// x so that a normal number lies below it with probability p, 0 < p < 1.
+double glint_normal_quantile(double p);
 
 #endif

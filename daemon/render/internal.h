@@ -4,8 +4,8 @@
 
 #include "kernels/gk_frame.h"
 #include "protocol/film_header.h"
-#include "render/estimate.h"
 #include "render/film.h"
+#include "render/forecast.h"
 #include "render/render.h"
 #include "render/wave.h"
 
@@ -51,10 +51,11 @@ struct glint_render {
     struct glint_job job;          // a copy
     struct glint_archive *archive; // where its pixels are, if not in a film; there is no view then
     glint_film *film;
-    glint_wave **wave;           // [workers], each made and used by its worker alone
-    _Atomic(double) *tile_error; // [film tiles], sums over the pixels of v/(m^2+0.01)
-    uint32_t *order;             // of a live job: how blocks of GLINT_ORDERED_LOG2 go, or NULL
-    atomic_bool interrupted;     // slices out are to be given up
+    glint_wave **wave; // [workers], each made and used by its worker alone
+    // [film tiles]: written by the worker that holds the tile, read under the mutex when none does.
+    struct glint_tile_estimate *tile_estimate;
+    uint32_t *order;         // of a live job: how blocks of GLINT_ORDERED_LOG2 go, or NULL
+    atomic_bool interrupted; // slices out are to be given up
     // Replaced under the mutex by whoever hands out slices, while none is out: it and the workers
     // that hold slices read it without.
     struct glint_view *view;
@@ -67,8 +68,14 @@ struct glint_render {
     double worker_seconds;
     struct glint_convergence_point curve[GLINT_CURVE_POINTS];
     uint32_t points;
-    struct glint_capture *late; // that waits for slices out: it takes their work too
-    uint32_t captures;          // begun so far
+    struct glint_film_estimate estimate; // when the last pass ended
+    uint32_t estimated;                  // samples of that
+    struct glint_forecast forecast;      // from then on
+    double pace[GLINT_FORECAST_PACES];   // worker seconds for a sample, of the last passes
+    double pass_seconds;                 // worker seconds when the last one ended
+    uint32_t paces;                      // so far
+    struct glint_capture *late;          // that waits for slices out: it takes their work too
+    uint32_t captures;                   // begun so far
 };
 
 // Plan, program and constants for the job in `scene`; the film is added by the render. Compiles
@@ -124,10 +131,15 @@ bool glint_pass_resume(glint_render *r, const struct glint_film_moment *was,
 // Empties the film and all that was measured, under the mutex; no slice may be out.
 void glint_render_forget(glint_render *r);
 
-// The job's own estimate of its error, from those of its tiles.
-double glint_render_error(const glint_render *r);
-// Estimates that of a tile which has so many samples, 2 or more. By whoever holds the tile.
+// measure.c: the job's own estimate of its error. Of a tile which has so many samples, 2 or more: by
+// whoever holds it.
 void glint_render_measure(glint_render *r, uint32_t tile, uint32_t samples);
+// Under the mutex, when a pass has ended: of the film, with a point of the curve where one is due.
+void glint_render_measure_pass(glint_render *r, uint32_t samples);
+// Forgets all that was measured.
+void glint_render_measure_nothing(glint_render *r);
+// Under the mutex, where what was measured or asked for has changed: sets the forecast.
+void glint_render_foresee(glint_render *r);
 
 // Under the mutex: how far it is.
 void glint_render_moment(const glint_render *r, struct glint_film_moment *out);

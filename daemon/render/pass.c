@@ -1,10 +1,7 @@
 // pass.c - the samples of a render, given out block by block and pass by pass.
 #include "kernels/gk_film.h"
-#include "render/archive.h"
 #include "render/internal.h"
 #include "render/order.h"
-
-#include <math.h>
 
 uint32_t glint_render_first(const glint_render *r)
 {
@@ -40,10 +37,20 @@ void glint_pass_restart(struct glint_render *r)
     p->start = cut_off ? reached : 0;
 }
 
+// Whole passes are 16 samples; the first ones end where the curve has its first points, at 2, 4, 8
+// and 12.
+static uint32_t pass_samples(uint32_t sample)
+{
+    return sample < 2    ? 1
+           : sample < 4  ? 4 - sample
+           : sample < 16 ? 4 - sample % 4
+                         : 16 - sample % 16;
+}
+
 void glint_pass_begin(struct glint_render *r, uint32_t sample)
 {
     struct glint_pass_state *p = &r->pass;
-    const uint32_t wanted = sample == 0 ? 1 : sample < 4 ? 4 - sample : 16 - sample % 16;
+    const uint32_t wanted = pass_samples(sample);
     p->sample = sample;
     p->samples = sample + wanted > r->target ? r->target - sample : wanted;
     p->tiles_log2 = block_size(r, p->samples);
@@ -145,36 +152,11 @@ uint64_t glint_render_pixels(const struct glint_render *r)
     return (uint64_t)r->job.region[2] * r->job.region[3];
 }
 
-// In the order of the tiles, so that a decision does not depend on who rendered them.
-double glint_render_error(const struct glint_render *r)
-{
-    if (r->archive)
-        return glint_film_file_header(glint_archive_file(r->archive))->moment.error;
-    const size_t tiles = (size_t)glint_film_columns(r->film) * glint_film_rows(r->film);
-    double sum = 0.0;
-    for (size_t t = 0; t < tiles; t++)
-        sum += atomic_load_explicit(&r->tile_error[t], memory_order_relaxed);
-    return sqrt(sum / (3.0 * (double)glint_render_pixels(r)));
-}
-
-static uint64_t rays_of(const struct glint_render *r)
-{
-    return r->stats.camera_rays + r->stats.bounce_rays + r->stats.shadow_rays;
-}
-
-static void record_point(struct glint_render *r, uint32_t samples)
-{
-    if (samples < 2 || samples & (samples - 1) || r->points == GLINT_CURVE_POINTS)
-        return;
-    r->curve[r->points++] = (struct glint_convergence_point){samples, r->worker_seconds,
-                                                             glint_render_error(r), rays_of(r)};
-}
-
 bool glint_pass_stops(struct glint_render *r, uint32_t end)
 {
     const double wanted = r->job.stop.error;
-    if (wanted > 0.0 && glint_estimate_checkpoint(end - glint_render_first(r)) &&
-        glint_estimate_upper(glint_render_error(r), glint_render_pixels(r)) <= wanted) {
+    const uint32_t look = glint_estimate_look(end - glint_render_first(r));
+    if (wanted > 0.0 && look && glint_estimate_upper(&r->estimate.whole, look) <= wanted) {
         r->target = end;
         r->stopped = true;
     }
@@ -184,7 +166,7 @@ bool glint_pass_stops(struct glint_render *r, uint32_t end)
 void glint_pass_end(struct glint_render *r)
 {
     const uint32_t end = r->pass.sample + r->pass.samples;
-    record_point(r, end - glint_render_first(r));
+    glint_render_measure_pass(r, end - glint_render_first(r));
     glint_pass_stops(r, end);
     glint_pass_begin(r, end);
 }
@@ -226,6 +208,7 @@ bool glint_render_extend(glint_render *r, uint32_t samples, double error)
         r->job.stop.error = error;
         r->target = samples;
         r->stopped = false;
+        glint_render_foresee(r);
         if (p->samples == 0 && !glint_pass_stops(r, p->sample))
             glint_pass_begin(r, p->sample);
     }

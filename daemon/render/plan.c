@@ -1,6 +1,7 @@
 #include "render/plan.h"
 
 #include "kernels/gk_film.h"
+#include "protocol/bias.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -15,11 +16,39 @@ static void add_option(struct glint_plan *plan, const char *define)
     snprintf(plan->options + used, sizeof plan->options - used, "%s-D%s", used ? " " : "", define);
 }
 
+// Whether rows that the dial rules are on, at its setting or at its exact one; without such rows,
+// always.
+static bool matters(enum glint_dial dial, const struct glint_effect_input *in)
+{
+    struct glint_job exact = *in->job;
+    struct glint_effect_input other = *in;
+    bool ruled = false;
+    exact.dial[dial] = 0;
+    other.job = &exact;
+    const uint64_t called = glint_effects_called(in) | glint_effects_called(&other);
+    for (size_t i = 0; i < glint_effect_count; i++) {
+        if (glint_effect_table[i].dial == dial && called >> i & 1)
+            return true;
+        ruled |= glint_effect_table[i].dial == dial;
+    }
+    return !ruled;
+}
+
+static uint32_t biases(const struct glint_effect_input *in)
+{
+    uint32_t all = glint_biases_asked(in->job);
+    for (int d = 0; d < GLINT_DIAL_COUNT; d++)
+        if (all >> d & 1 && !matters((enum glint_dial)d, in))
+            all &= ~(1u << d);
+    return all;
+}
+
 void glint_plan_make(struct glint_plan *out, const struct glint_effect_input *in, uint64_t force)
 {
     memset(out, 0, sizeof *out);
     out->called = glint_effects_called(in);
     out->on = out->called | force;
+    out->biases = biases(in);
     out->passes = PASSES_ALWAYS;
     out->film_bytes = GK_PLANES_BASE * 4;
     for (size_t i = 0; i < glint_effect_count; i++) {

@@ -15,6 +15,7 @@ struct glint_plan {
     uint32_t carries;   // bits 1 << GK_COL_* of the path columns that effects want
     char options[1024]; // -D..., in table order: with the source, the key of the program variant
     size_t film_bytes;  // per pixel
+    uint32_t biases;    // approximations that scene and job are under, of protocol/bias.h
 };
 
 // force: rows to switch on although nothing calls for them (tests and benches).

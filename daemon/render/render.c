@@ -6,7 +6,6 @@
 #include "base/clock.h"
 #include "kernels/gk_film.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,13 +26,14 @@ static glint_status prepare(struct glint_render *r, glint_resident *scene,
     const size_t tiles = (size_t)glint_film_columns(r->film) * glint_film_rows(r->film);
     r->view->film = r->film;
     r->wave = calloc(glint_devices_workers(r->devices), sizeof *r->wave);
-    r->tile_error = calloc(tiles, sizeof *r->tile_error);
+    r->tile_estimate = calloc(tiles, sizeof *r->tile_estimate);
     r->pass.redo = calloc(tiles, sizeof *r->pass.redo);
     if (r->job.live)
         r->order = glint_order_create(blocks(r->job.region[2]), blocks(r->job.region[3]));
-    if (!r->wave || !r->tile_error || !r->pass.redo || (r->job.live && !r->order))
+    if (!r->wave || !r->tile_estimate || !r->pass.redo || (r->job.live && !r->order))
         return glint_fail(err, GLINT_E_NOMEM, "/resolution", "no memory for %zu tiles", tiles);
     r->target = glint_render_first(r) + r->job.stop.samples;
+    glint_render_measure_nothing(r);
     glint_pass_begin(r, glint_render_first(r));
     return GLINT_OK;
 }
@@ -79,13 +79,10 @@ glint_status glint_render_move(glint_view **out, glint_render *r, struct glint_r
 
 void glint_render_forget(glint_render *r)
 {
-    const size_t tiles = (size_t)glint_film_columns(r->film) * glint_film_rows(r->film);
-    for (size_t t = 0; t < tiles; t++)
-        atomic_store_explicit(&r->tile_error[t], 0.0, memory_order_relaxed);
     r->view->epoch = glint_film_restart(r->film);
     r->target = glint_render_first(r) + r->job.stop.samples;
     r->stopped = false;
-    r->points = 0;
+    glint_render_measure_nothing(r);
     glint_pass_restart(r);
 }
 
@@ -116,7 +113,7 @@ void glint_render_destroy(glint_render **render)
         glint_wave_destroy(&r->wave[w]);
     free(r->wave);
     glint_archive_close(&r->archive);
-    free(r->tile_error);
+    free(r->tile_estimate);
     free(r->pass.redo);
     free(r->order);
     glint_film_destroy(&r->film);
@@ -124,23 +121,6 @@ void glint_render_destroy(glint_render **render)
     glint_arena_finish(&r->job.arena);
     pthread_mutex_destroy(&r->mutex);
     free(r);
-}
-
-void glint_render_measure(glint_render *r, uint32_t tile, uint32_t samples)
-{
-    const uint32_t *region = r->job.region, columns = glint_film_columns(r->film);
-    const uint32_t x = tile % columns * GK_TILE_SIDE, y = tile / columns * GK_TILE_SIDE;
-    const uint32_t first = glint_render_first(r);
-    const uint32_t half[2] = {glint_film_half(first, samples, 0),
-                              glint_film_half(first, samples, 1)};
-    struct glint_film_tile at;
-    glint_film_tile(r->film, tile, &at);
-    const float *planes = (const float *)glint_buffer_host(at.planes) + at.planes_offset;
-    const double sum = glint_estimate_tile(planes, r->job.dial[GLINT_DIAL_PRECISION] == 0, half,
-                                           glint_pass_clip(x, GK_TILE_SIDE, region[2]),
-                                           glint_pass_clip(y, GK_TILE_SIDE, region[3]));
-    // Relaxed: a reader wants some recent estimate; decisions are taken when no slice is out.
-    atomic_store_explicit(&r->tile_error[tile], sum, memory_order_relaxed);
 }
 
 static void measure_block(glint_render *r, const struct glint_wave_block *b)
@@ -211,19 +191,6 @@ glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
     return st;
 }
 
-// Samples until the error is reached, from the last two points of the curve: error ~ n^-g.
-static double predict(const struct glint_render *r)
-{
-    if (r->job.stop.error <= 0.0 || r->points < 2)
-        return NAN;
-    const struct glint_convergence_point *a = &r->curve[r->points - 2], *b = a + 1;
-    if (!(b->error > 0.0) || !(a->error > b->error))
-        return NAN;
-    const double slope =
-        fmax(log(a->error / b->error) / log((double)b->samples / a->samples), 0.25);
-    return b->samples * pow(b->error / r->job.stop.error, 1.0 / slope);
-}
-
 void glint_render_moment(const glint_render *r, struct glint_film_moment *out)
 {
     memset(out, 0, sizeof *out);
@@ -233,11 +200,12 @@ void glint_render_moment(const glint_render *r, struct glint_film_moment *out)
     out->samples = r->pass.samples;
     out->tiles_log2 = r->pass.tiles_log2;
     out->target = r->target;
-    out->error = r->pass.sample - glint_render_first(r) >= 2 ? glint_render_error(r) : NAN;
+    out->estimate = r->estimate.whole;
     out->worker_seconds = r->worker_seconds;
     out->camera_rays = r->stats.camera_rays;
     out->bounce_rays = r->stats.bounce_rays;
     out->shadow_rays = r->stats.shadow_rays;
+    out->biases = r->view ? r->view->plan.biases : glint_archive_biases(r->archive);
     out->points = r->points;
     memcpy(out->curve, r->curve, sizeof out->curve);
 }
@@ -250,16 +218,17 @@ void glint_render_state(const glint_render *render, struct glint_render_state *o
     const struct glint_pass_state *p = &r->pass;
     const double partly = p->blocks ? (double)p->done / p->blocks * p->samples : 0.0;
     glint_render_moment(r, &now);
-    const double predicted = predict(r);
+    const struct glint_forecast forecast = r->forecast;
     pthread_mutex_unlock(&r->mutex);
     const uint32_t first = glint_render_first(r), samples = now.sample - first;
     const uint32_t target = now.target - first;
     *out = (struct glint_render_state){.samples = samples,
                                        .target_samples = target,
                                        .progress = target ? (samples + partly) / target : 1.0,
-                                       .error = now.error,
+                                       .estimate = now.estimate,
+                                       .forecast = forecast,
                                        .worker_seconds = now.worker_seconds,
-                                       .predicted_samples = predicted,
+                                       .biases = now.biases,
                                        .camera_rays = now.camera_rays,
                                        .bounce_rays = now.bounce_rays,
                                        .shadow_rays = now.shadow_rays};

@@ -16,9 +16,11 @@
 #include "protocol/film_header.h"
 #include "protocol/frame.h"
 #include "protocol/job.h"
+#include "render/forecast.h"
 #include "scene/resident.h"
 
 #include <cjson/cJSON.h>
+#include <math.h>
 
 typedef struct glint_render glint_render;
 
@@ -81,14 +83,26 @@ void glint_render_give_back(glint_render *render, const struct glint_slice *slic
 bool glint_render_complete(const glint_render *render);
 
 struct glint_render_state {
-    uint32_t samples;         // fewest over the frame
-    uint32_t target_samples;  // where the job will stop at the latest
-    double progress;          // 0..1
-    double error;             // the job's own estimate, NAN before there are two samples
-    double worker_seconds;    // spent by workers
-    double predicted_samples; // until stop.error holds, NAN when unknown or not asked
+    uint32_t samples;               // fewest over the frame
+    uint32_t target_samples;        // where the job will stop at the latest
+    double progress;                // 0..1
+    struct glint_estimate estimate; // the job's own, NAN before there are two samples
+    struct glint_forecast forecast; // of when stop.error holds
+    double worker_seconds;          // spent by workers
+    uint32_t biases;                // approximations that it runs under, of protocol/bias.h
     uint64_t camera_rays, bounce_rays, shadow_rays;
 };
+#define GLINT_NOTHING_RENDERED                               \
+    (struct glint_render_state)                              \
+    {                                                        \
+        .estimate = {NAN, NAN, NAN, NAN, NAN}, .forecast = { \
+            NAN,                                             \
+            {NAN, NAN, NAN},                                 \
+            {NAN, NAN, NAN},                                 \
+            true,                                            \
+            false                                            \
+        }                                                    \
+    }
 void glint_render_state(const glint_render *render, struct glint_render_state *out);
 
 // The recorded curve so far; returns the number of its points.

@@ -98,6 +98,10 @@ static void take_moment(glint_render *r, const struct glint_film_header *h)
     }
     memcpy(r->curve, m->curve, sizeof r->curve);
     r->points = m->points;
+    r->estimate = (struct glint_film_estimate){.whole = m->estimate};
+    r->estimated = m->sample - glint_render_first(r);
+    r->forecast = GLINT_NO_FORECAST;
+    r->pass_seconds = m->worker_seconds;
 }
 
 // Samples of each tile of a file, malloc'd.
@@ -126,6 +130,7 @@ static bool take_pass(glint_render *r, const struct glint_film_moment *m, const 
 // With all tiles in the film: whether it stops is decided as it was.
 static void go_on(glint_render *r, const struct glint_film_moment *m)
 {
+    glint_render_foresee(r);
     if (!m->samples) {
         glint_pass_stops(r, m->sample);
         glint_pass_begin(r, m->sample);

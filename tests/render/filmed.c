@@ -112,7 +112,8 @@ static void same_states(glint_render *a, glint_render *b)
     assert_int_equal(x.samples, y.samples);
     assert_int_equal(x.target_samples, y.target_samples);
     assert_true(x.progress == y.progress);
-    assert_true(x.error == y.error || (isnan(x.error) && isnan(y.error)));
+    assert_true(x.estimate.error == y.estimate.error ||
+                (isnan(x.estimate.error) && isnan(y.estimate.error)));
     assert_int_equal(x.camera_rays, y.camera_rays);
     assert_int_equal(x.bounce_rays, y.bounce_rays);
     assert_int_equal(x.shadow_rays, y.shadow_rays);

@@ -29,7 +29,7 @@ static void print_stats(const glint_render *render, const glint_resident *scene,
     cJSON_AddNumberToObject(plan, "camera_rays", (double)s.camera_rays);
     cJSON_AddNumberToObject(plan, "bounce_rays", (double)s.bounce_rays);
     cJSON_AddNumberToObject(plan, "shadow_rays", (double)s.shadow_rays);
-    cJSON_AddNumberToObject(plan, "error", isnan(s.error) ? 0.0 : s.error);
+    cJSON_AddNumberToObject(plan, "error", isnan(s.estimate.error) ? 0.0 : s.estimate.error);
     cJSON_AddNumberToObject(plan, "samples", s.samples);
     cJSON_AddNumberToObject(plan, "ns_per_vertex",
                             s.worker_seconds * 1e9 / (double)(s.camera_rays + s.bounce_rays));

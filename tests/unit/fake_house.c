@@ -414,15 +414,15 @@ cJSON *glint_render_plan(const glint_render *render)
 
 void glint_render_state(const glint_render *render, struct glint_render_state *out)
 {
-    *out = (struct glint_render_state){
-        .samples = (uint32_t)render->versions, .error = NAN, .predicted_samples = NAN};
+    *out = GLINT_NOTHING_RENDERED;
+    out->samples = (uint32_t)render->versions;
 }
 
 size_t glint_render_convergence(const glint_render *render, struct glint_convergence_point *out,
                                 size_t capacity)
 {
     (void)render, (void)capacity;
-    *out = (struct glint_convergence_point){1, 0.5, NAN, 4096};
+    *out = (struct glint_convergence_point){1, 0.5, NAN, NAN, 4096};
     return 1;
 }
 

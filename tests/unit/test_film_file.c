@@ -62,25 +62,26 @@ static glint_status open_bytes(struct bytes b, glint_film_file **out, struct gli
 
 static struct glint_film_header example_header(struct glint_job *job)
 {
-    struct glint_film_header h = {.info = {.job = job,
-                                           .aovs = true,
-                                           .flow = true,
-                                           .coverage = true,
-                                           .software = "glint x",
-                                           .revision = "abcd",
-                                           .mattes = 4,
-                                           .matte = keys},
-                                  .moment = {.sample = 8,
-                                             .samples = 8,
-                                             .tiles_log2 = 0,
-                                             .target = 20,
-                                             .error = 0.25,
-                                             .worker_seconds = 1.5,
-                                             .camera_rays = 123456789012,
-                                             .points = 2,
-                                             .curve = {{2, 0.5, 0.4, 7}, {4, 0.75, NAN, 9}}},
-                                  .seconds = cJSON_Parse("{\"a pass\":0.125}"),
-                                  .plan = cJSON_Parse("{\"effects\":[]}")};
+    struct glint_film_header h = {
+        .info = {.job = job,
+                 .aovs = true,
+                 .flow = true,
+                 .coverage = true,
+                 .software = "glint x",
+                 .revision = "abcd",
+                 .mattes = 4,
+                 .matte = keys},
+        .moment = {.sample = 8,
+                   .samples = 8,
+                   .tiles_log2 = 0,
+                   .target = 20,
+                   .estimate = {0.25, 0.125, 0.5, 0.375, NAN},
+                   .worker_seconds = 1.5,
+                   .camera_rays = 123456789012,
+                   .points = 2,
+                   .curve = {{2, 0.5, 0.4, 0.1, 7}, {4, 0.75, NAN, NAN, 9}}},
+        .seconds = cJSON_Parse("{\"a pass\":0.125}"),
+        .plan = cJSON_Parse("{\"effects\":[]}")};
     for (int i = 0; i < 16; i++) {
         h.info.to_camera[i] = (float)i / 3;
         h.info.to_ndc[i] = i ? -INFINITY : 1e-30f;
@@ -146,7 +147,10 @@ static void check_header(const struct glint_film_header *h)
     assert_int_equal(h->info.matte[3].id[0], 0x9623511e);
     assert_int_equal(h->info.matte[2].id[2], 0);
     assert_true(m->sample == 8 && m->samples == 8 && m->target == 20 && !m->complete);
-    assert_true(m->error == 0.25 && m->worker_seconds == 1.5 && m->camera_rays == 123456789012);
+    assert_true(m->estimate.error == 0.25 && m->estimate.spread == 0.125 &&
+                m->estimate.linear == 0.5 && m->estimate.tone_mapped == 0.375 &&
+                isnan(m->estimate.tail) && m->worker_seconds == 1.5 &&
+                m->camera_rays == 123456789012);
     assert_true(m->points == 2 && m->curve[0].error == 0.4 && isnan(m->curve[1].error));
     assert_non_null(cJSON_GetObjectItem(h->seconds, "a pass"));
     assert_non_null(cJSON_GetObjectItem(h->plan, "effects"));

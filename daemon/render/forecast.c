@@ -1,0 +1,200 @@
+#include "render/forecast.h"
+
+#include "kernels/gk_sampler.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define FEWEST_POINTS 5
+#define FEWEST_SAMPLES 16
+#define USUAL_POWER 1.15
+#define USUAL_SPREAD 0.12 // of the power among scenes, and within one as samples grow
+#define UNKNOWN_SPREAD 0.2
+#define LEAST_SPREAD 0.01
+
+// ---- the line: log(E^2 - b^2) = level - power * log(n / n_now)
+
+struct line {
+    double level, power, power_spread;
+};
+
+struct equation {
+    double one, x, y;
+};
+
+static struct equation equation_of(const struct glint_convergence_point *p,
+                                   const struct glint_forecast_input *in)
+{
+    const double spread = isfinite(p->spread) ? fmax(p->spread, LEAST_SPREAD) : UNKNOWN_SPREAD;
+    const double x = -log((double)p->samples / in->samples);
+    const double square = p->error * p->error - in->bias * in->bias;
+    return (struct equation){1.0 / spread, x / spread, log(square) / spread};
+}
+
+// What the checkpoint before does not say already.
+static struct equation news(const struct equation *e, const struct equation *before, double ratio)
+{
+    const double scale = 1.0 / sqrt(1.0 - ratio * ratio);
+    return (struct equation){scale * (e->one - ratio * before->one),
+                             scale * (e->x - ratio * before->x),
+                             scale * (e->y - ratio * before->y)};
+}
+
+static bool usable(const struct glint_convergence_point *p, const struct glint_forecast_input *in)
+{
+    return p->error > in->bias && p->samples <= in->samples;
+}
+
+// Sums of products of the equations.
+struct sums {
+    double one_one, one_x, x_x, one_y, x_y;
+    uint32_t points;
+};
+
+static void add(struct sums *s, const struct equation *e)
+{
+    s->one_one += e->one * e->one;
+    s->one_x += e->one * e->x;
+    s->x_x += e->x * e->x;
+    s->one_y += e->one * e->y;
+    s->x_y += e->x * e->y;
+    s->points++;
+}
+
+static struct sums gather(const struct glint_forecast_input *in)
+{
+    const struct glint_convergence_point now = {
+        .samples = in->samples, .error = in->now->whole.error, .spread = in->now->whole.spread};
+    struct sums s = {0};
+    struct equation last = {0};
+    uint32_t last_samples = 0;
+    for (uint32_t i = 0; i <= in->points; i++) {
+        const struct glint_convergence_point *p = i < in->points ? &in->curve[i] : &now;
+        if (!usable(p, in) || p->samples == last_samples)
+            continue;
+        const struct equation e = equation_of(p, in);
+        const double ratio = (double)last_samples / p->samples;
+        const struct equation n = news(&e, &last, ratio);
+        add(&s, &n);
+        last = e;
+        last_samples = p->samples;
+    }
+    return s;
+}
+
+static bool fit(struct line *out, const struct glint_forecast_input *in)
+{
+    struct sums s = gather(in);
+    const double weight = 1.0 / (USUAL_SPREAD * USUAL_SPREAD);
+    if (s.points < FEWEST_POINTS || in->samples < FEWEST_SAMPLES)
+        return false;
+    s.x_x += weight;
+    s.x_y += weight * USUAL_POWER;
+    const double rest = s.x_x - s.one_x * s.one_x / s.one_one;
+    out->power = fmin(fmax((s.x_y - s.one_x * s.one_y / s.one_one) / rest, 1.0), 2.0);
+    out->level = (s.one_y - s.one_x * out->power) / s.one_one;
+    out->power_spread = sqrt(1.0 / rest);
+    return true;
+}
+
+// ---- draws
+
+struct dice {
+    uint32_t state;
+};
+
+static uint32_t roll(struct dice *d)
+{
+    return gk_mix32(++d->state * 0x9e3779b9u);
+}
+
+// The sum of twelve uniform numbers, 16 bits each, is normal as far as intervals of 98 % go.
+static double roll_normal(struct dice *d)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 6; i++) {
+        const uint32_t bits = roll(d);
+        sum += (bits & 0xffffu) + (bits >> 16) + 1.0;
+    }
+    return sum / 65536.0 - 6.0;
+}
+
+// What the logarithm of a picture's E^2 may be off.
+static double roll_level(struct dice *d, const struct glint_film_estimate *e)
+{
+    double sum = 0.0, moved = 0.0;
+    if (e->cells < GLINT_ESTIMATE_CELLS)
+        return roll_normal(d) * e->whole.spread;
+    for (uint32_t c = 0; c < e->cells; c++) {
+        sum += e->relative[c];
+        moved += roll(d) >> 31 ? sqrt(e->spread[c]) : -sqrt(e->spread[c]);
+    }
+    return sum > 0.0 ? log(fmax(1.0 + moved / sum, 0.01)) : 0.0;
+}
+
+// Both the estimate now and the true error then are those of pictures that chance made.
+static double draw(struct dice *d, const struct line *l, const struct glint_forecast_input *in)
+{
+    const double power = fmin(fmax(l->power + l->power_spread * roll_normal(d), 1.0), 2.0);
+    const double level = l->level + roll_level(d, in->now) + roll_level(d, in->now);
+    const double wanted = log(in->target * in->target - in->bias * in->bias);
+    return in->samples * exp((level - wanted) / power);
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double p = *(const double *)a, q = *(const double *)b;
+    return (p > q) - (p < q);
+}
+
+bool glint_forecast_draw(double *samples, const struct glint_forecast_input *in)
+{
+    struct dice dice = {in->samples};
+    struct line line;
+    if (!(in->target > in->bias) || !fit(&line, in))
+        return false;
+    for (int i = 0; i < GLINT_FORECAST_DRAWS; i++)
+        samples[i] = draw(&dice, &line, in);
+    qsort(samples, GLINT_FORECAST_DRAWS, sizeof *samples, ascending);
+    return true;
+}
+
+// ---- the answer
+
+static void take_quantiles(double out[3], const double *draw, int draws)
+{
+    out[0] = draw[draws / 2];
+    out[1] = draw[draws / 20];
+    out[2] = draw[draws - 1 - draws / 20];
+}
+
+// Each draw at the pace of one of the last passes.
+static void take_seconds(struct glint_forecast *out, const double *samples,
+                         const struct glint_forecast_input *in)
+{
+    double pace[GLINT_FORECAST_PACES], seconds[GLINT_FORECAST_DRAWS];
+    for (uint32_t i = 0; i < in->paces; i++)
+        pace[i] = in->pace[i];
+    for (int i = 0; in->paces && i < GLINT_FORECAST_DRAWS; i++)
+        seconds[i] = fmax(samples[i] - in->samples, 0.0) * pace[(uint32_t)i % in->paces];
+    if (!in->paces)
+        return;
+    qsort(seconds, GLINT_FORECAST_DRAWS, sizeof *seconds, ascending);
+    take_quantiles(out->seconds, seconds, GLINT_FORECAST_DRAWS);
+    qsort(pace, in->paces, sizeof *pace, ascending);
+    out->seconds[0] = fmax(out->samples[0] - in->samples, 0.0) * pace[in->paces / 2];
+}
+
+void glint_forecast_make(struct glint_forecast *out, const struct glint_forecast_input *in)
+{
+    double samples[GLINT_FORECAST_DRAWS];
+    *out = GLINT_NO_FORECAST;
+    out->target = in->target;
+    out->reachable = in->target > in->bias;
+    if (!glint_forecast_draw(samples, in))
+        return;
+    take_quantiles(out->samples, samples, GLINT_FORECAST_DRAWS);
+    take_seconds(out, samples, in);
+    out->reachable = out->samples[1] <= in->limit;
+    out->lower_bound = glint_estimate_rare(&in->now->whole);
+}

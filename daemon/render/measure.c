@@ -1,0 +1,83 @@
+// measure.c - what a render knows of its own error, and of the samples that it still needs.
+#include "render/internal.h"
+
+#include "kernels/gk_film.h"
+
+#include <math.h>
+#include <string.h>
+
+void glint_render_measure(glint_render *r, uint32_t tile, uint32_t samples)
+{
+    const uint32_t *region = r->job.region, columns = glint_film_columns(r->film);
+    const uint32_t x = tile % columns * GK_TILE_SIDE, y = tile / columns * GK_TILE_SIDE;
+    const uint32_t first = glint_render_first(r);
+    const uint32_t half[2] = {glint_film_half(first, samples, 0),
+                              glint_film_half(first, samples, 1)};
+    struct glint_film_tile at;
+    glint_film_tile(r->film, tile, &at);
+    const float *planes = (const float *)glint_buffer_host(at.planes) + at.planes_offset;
+    glint_estimate_tile(&r->tile_estimate[tile], planes, r->job.dial[GLINT_DIAL_PRECISION] == 0,
+                        half, glint_pass_clip(x, GK_TILE_SIDE, region[2]),
+                        glint_pass_clip(y, GK_TILE_SIDE, region[3]));
+}
+
+static bool is_checkpoint(uint32_t samples)
+{
+    return samples == 12 || (samples >= 2 && (samples & (samples - 1)) == 0);
+}
+
+static void record_point(glint_render *r, uint32_t samples)
+{
+    const struct glint_wave_stats *s = &r->stats;
+    if (!is_checkpoint(samples) || r->points == GLINT_CURVE_POINTS)
+        return;
+    r->curve[r->points++] =
+        (struct glint_convergence_point){.samples = samples,
+                                         .seconds = r->worker_seconds,
+                                         .error = r->estimate.whole.error,
+                                         .spread = r->estimate.whole.spread,
+                                         .rays = s->camera_rays + s->bounce_rays + s->shadow_rays};
+}
+
+static void record_pace(glint_render *r)
+{
+    r->pace[r->paces++ % GLINT_FORECAST_PACES] =
+        (r->worker_seconds - r->pass_seconds) / r->pass.samples;
+    r->pass_seconds = r->worker_seconds;
+}
+
+void glint_render_measure_pass(glint_render *r, uint32_t samples)
+{
+    record_pace(r);
+    if (samples < 2)
+        return;
+    glint_estimate_film(&r->estimate, r->tile_estimate, glint_film_columns(r->film),
+                        glint_film_rows(r->film), glint_render_pixels(r));
+    r->estimated = samples;
+    record_point(r, samples);
+    glint_render_foresee(r);
+}
+
+void glint_render_measure_nothing(glint_render *r)
+{
+    r->estimate = (struct glint_film_estimate){.whole = {NAN, NAN, NAN, NAN, NAN}};
+    r->forecast = GLINT_NO_FORECAST;
+    r->points = r->paces = r->estimated = 0;
+    r->pass_seconds = r->worker_seconds;
+}
+
+void glint_render_foresee(glint_render *r)
+{
+    const struct glint_forecast_input in = {
+        .curve = r->curve,
+        .points = r->points,
+        .now = &r->estimate,
+        .samples = r->estimated,
+        .pace = r->pace,
+        .paces = r->paces < GLINT_FORECAST_PACES ? r->paces : GLINT_FORECAST_PACES,
+        .target = r->job.stop.error,
+        .limit = r->job.stop.samples};
+    r->forecast = GLINT_NO_FORECAST;
+    if (r->job.stop.error > 0.0)
+        glint_forecast_make(&r->forecast, &in);
+}
