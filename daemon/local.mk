@@ -176,6 +176,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/render/film.c \
 	daemon/render/film.h \
 	daemon/render/film_capture.c \
+	daemon/render/film_spread.c \
 	daemon/render/film_parts.h \
 	daemon/render/forecast.c \
 	daemon/render/forecast.h \

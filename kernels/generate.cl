@@ -3,7 +3,7 @@
 #include "kernels/gk_held.h"
 #include "kernels/gk_scene.h"
 
-// One item per lane. Lanes outside the region get no ray.
+// One item per lane. Lanes outside the region, or whose pixel has had the sample, get no ray.
 __kernel void generate_camera_rays(__global float *restrict wave, const gk_u32 stride,
                                    const __global struct gk_frame *restrict frame,
                                    const __global struct gk_wave_rect *restrict rect)
@@ -14,6 +14,7 @@ __kernel void generate_camera_rays(__global float *restrict wave, const gk_u32 s
     const struct gk_lane lane = gk_lane_at(rect, i, frame->seed);
     const struct gk_ray ray = gk_camera_ray(frame, lane);
     const gk_i32 inside = lane.x < rect->x_end && lane.y < rect->y_end;
+    const gk_i32 had = rect->coarser && !((i | i >> 4) & 1u);
 
     GK_STORE(GK_COL_OX, i, ray.o.x);
     GK_STORE(GK_COL_OY, i, ray.o.y);
@@ -21,7 +22,7 @@ __kernel void generate_camera_rays(__global float *restrict wave, const gk_u32 s
     GK_STORE(GK_COL_DX, i, ray.d.x);
     GK_STORE(GK_COL_DY, i, ray.d.y);
     GK_STORE(GK_COL_DZ, i, ray.d.z);
-    GK_STORE(GK_COL_T, i, inside ? GK_INFINITY : -GK_INFINITY);
+    GK_STORE(GK_COL_T, i, inside && !had ? GK_INFINITY : -GK_INFINITY);
     GK_STORE(GK_COL_BETA_R, i, frame->weight);
     GK_STORE(GK_COL_BETA_G, i, frame->weight);
     GK_STORE(GK_COL_BETA_B, i, frame->weight);

@@ -23,8 +23,8 @@ GK_INLINE struct gk_lane gk_lane_at(const GK_GLOBAL struct gk_wave_rect *rect, g
     const gk_u32 row = tile >> rect->tiles_log2;
     const gk_u32 column = tile - (row << rect->tiles_log2);
     struct gk_lane l;
-    l.x = rect->x + (column << 4) + (pixel & 15u);
-    l.y = rect->y + (row << 4) + ((pixel >> 4) & 15u);
+    l.x = rect->x + (((column << 4) + (pixel & 15u)) << rect->spread_log2);
+    l.y = rect->y + (((row << 4) + ((pixel >> 4) & 15u)) << rect->spread_log2);
     l.base = gk_sampler_base(l.x, l.y, seed, sample & 1u);
     l.index = sample >> 1;
     return l;

@@ -42,6 +42,10 @@ struct glint_film_pixels {
     const uint64_t *table;     // [256][slots + 1]
     uint32_t half[2];          // samples of each pixel: with even indices, and with odd ones
     const uint32_t (*each)[2]; // [256], the same where pixels differ; NULL: they do not
+    // 0: none is coarse. Else 2, 4 or 8: only every step-th pixel of every step-th row has `half`,
+    // the others have none, and what they hold has no meaning. In frames it stands for the square
+    // of pixels to its right and below.
+    uint32_t step;
 };
 
 // Whoever has the tiles. Between begin and end the pixels stay; any tile, one at a time.

@@ -122,8 +122,6 @@ static void resolve_aovs(const struct at *a, const struct planes *p)
     }
     for (int c = 0; c < 4 && p->flow[0]; c++)
         p->flow[c][a->out] = aov_mean(a, GK_AOV_FLOW, c, GK_FIXED_FLOW);
-    if (p->samples)
-        p->samples[a->out] = (float)a->samples;
 }
 
 static void store_ranks(const struct glint_cryptomatte_rank *rank, uint32_t n, uint32_t levels,
@@ -154,14 +152,19 @@ struct making {
 
 static void resolve_pixel(struct making *m, struct at *a, const struct glint_film_pixels *from)
 {
+    const bool own = glint_film_shown_as(from, a->i) == a->i;
+    a->i = glint_film_shown_as(from, a->i);
     a->half[0] = glint_film_samples_of(from, a->i, 0);
     a->half[1] = glint_film_samples_of(from, a->i, 1);
     a->samples = a->half[0] + a->half[1];
-    m->fewest = a->samples < m->fewest ? a->samples : m->fewest;
+    const uint32_t its = own ? a->samples : 0;
+    m->fewest = its < m->fewest ? its : m->fewest;
     if (!a->samples)
         return;
     resolve_colour(a, &m->planes);
     resolve_aovs(a, &m->planes);
+    if (m->planes.samples)
+        m->planes.samples[a->out] = (float)its;
     if (!from->table)
         return;
     a->table = from->table + (size_t)a->i * (a->info->job->matte_slots + 1);
@@ -176,8 +179,9 @@ static void resolve_tile(struct making *m, uint32_t tile, const struct glint_fil
     const int64_t x0 = (int64_t)region[0] + tile % columns * GK_TILE_SIDE - m->frame->x;
     const int64_t y0 = (int64_t)region[1] + tile / columns * GK_TILE_SIDE - m->frame->y;
     struct at a = {.info = info, .plane = from->planes};
-    for (a.i = 0; a.i < GK_TILE_PIXELS; a.i++) {
-        const int64_t x = x0 + a.i % GK_TILE_SIDE, y = y0 + a.i / GK_TILE_SIDE;
+    for (uint32_t i = 0; i < GK_TILE_PIXELS; i++) {
+        const int64_t x = x0 + i % GK_TILE_SIDE, y = y0 + i / GK_TILE_SIDE;
+        a.i = i;
         if (x < 0 || y < 0 || x >= m->frame->width || y >= m->frame->height)
             continue;
         a.out = (size_t)y * m->frame->width + (size_t)x;

@@ -33,13 +33,15 @@ static uint32_t visit_tile(const struct glint_film_info *info, uint32_t tile,
         const uint32_t x = x0 + i % GK_TILE_SIDE, y = y0 + i / GK_TILE_SIDE;
         if (x >= region[2] || y >= region[3])
             continue;
-        const struct covered at = {pixels->table + (size_t)i * (info->job->matte_slots + 1),
-                                   glint_film_samples_of(pixels, i, 0) +
-                                       glint_film_samples_of(pixels, i, 1),
+        const uint32_t from = glint_film_shown_as(pixels, i);
+        const struct covered at = {pixels->table + (size_t)from * (info->job->matte_slots + 1),
+                                   glint_film_samples_of(pixels, from, 0) +
+                                       glint_film_samples_of(pixels, from, 1),
                                    (size_t)y * region[2] + x};
+        const uint32_t own = from == i ? at.samples : 0;
         if (at.samples)
             visit(info, &at, user);
-        fewest = at.samples < fewest ? at.samples : fewest;
+        fewest = own < fewest ? own : fewest;
     }
     return fewest;
 }

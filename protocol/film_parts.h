@@ -4,6 +4,7 @@
 
 #include "cryptomatte.h"
 #include "film.h"
+#include "kernels/gk_film.h"
 
 #define GLINT_MAX_SLOTS 32
 
@@ -22,11 +23,20 @@ char *glint_film_manifest(const struct glint_film_info *info, enum glint_matte_l
 glint_status glint_film_attributes(const struct glint_film_source *source, struct glint_frame *f,
                                    uint32_t samples);
 
+// The pixel that pixel i is shown as.
+static inline uint32_t glint_film_shown_as(const struct glint_film_pixels *p, uint32_t i)
+{
+    const uint32_t off = p->step ? p->step - 1 : 0;
+    return i & ~(off * GK_TILE_SIDE | off);
+}
+
 // Samples of pixel i.
 static inline uint32_t glint_film_samples_of(const struct glint_film_pixels *p, uint32_t i,
                                              uint32_t half)
 {
-    return p->each ? p->each[i][half] : p->half[half];
+    if (p->each)
+        return p->each[i][half];
+    return glint_film_shown_as(p, i) == i ? p->half[half] : 0;
 }
 
 #endif

@@ -68,13 +68,14 @@ glint_status glint_film_pick(const struct glint_film_source *s, uint32_t x, uint
     const uint32_t column = x - region[0], row = y - region[1];
     const uint32_t tile =
         row / GK_TILE_SIDE * glint_film_info_columns(info) + column / GK_TILE_SIDE;
-    const uint32_t i = row % GK_TILE_SIDE * GK_TILE_SIDE + column % GK_TILE_SIDE;
+    const uint32_t at = row % GK_TILE_SIDE * GK_TILE_SIDE + column % GK_TILE_SIDE;
     struct glint_film_pixels pixels = {0};
     *out = NULL;
     *count = 0;
     const glint_status st = s->begin(s->user, tile, &pixels, err);
     if (st)
         return st;
+    const uint32_t i = glint_film_shown_as(&pixels, at);
     const uint32_t samples =
         glint_film_samples_of(&pixels, i, 0) + glint_film_samples_of(&pixels, i, 1);
     *out = look(info, pixels.table + (size_t)i * (info->job->matte_slots + 1), samples, outputs,

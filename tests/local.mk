@@ -28,6 +28,7 @@ UNIT_TESTS = \
 	tests/render/test_film_capture \
 	tests/render/test_film_merge \
 	tests/render/test_film_restore \
+	tests/render/test_coarse \
 	tests/render/test_flow \
 	tests/render/test_many_lights \
 	tests/render/test_matte_names \
@@ -138,6 +139,7 @@ tests_render_test_effects_SOURCES = tests/render/test_effects.c $(effect_worlds)
 moving = tests/render/moving.c tests/render/moving.h $(stable)
 filmed = tests/render/filmed.c tests/render/filmed.h $(stable)
 tests_render_test_film_restore_SOURCES = tests/render/test_film_restore.c $(filmed)
+tests_render_test_coarse_SOURCES = tests/render/test_coarse.c $(filmed)
 tests_render_test_film_merge_SOURCES = tests/render/test_film_merge.c $(filmed)
 tests_render_test_film_capture_SOURCES = tests/render/test_film_capture.c $(filmed)
 tests_render_test_flow_SOURCES = tests/render/test_flow.c $(moving)

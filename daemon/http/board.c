@@ -221,12 +221,12 @@ static glint_status encode(const struct glint_job_view *view, uint32_t tile, uin
     static const struct glint_exr_options options = {
         .compression = GLINT_EXR_ZIP, .layout = GLINT_EXR_SINGLE, .zip_level = ZIP_LEVEL};
     struct glint_frame *frame = NULL;
-    uint64_t version;
+    uint64_t version = 0;
     uint32_t samples = 0;
     size_t size = 0;
     glint_status st =
         glint_render_tile(view->render, tile, &frame, &samples, &version, head->revision, err);
-    if (!st && samples)
+    if (!st && version)
         st = glint_exr_write(frame, &options, bytes, &size, NULL, err);
     head->length = size;
     head->samples = samples;
@@ -249,7 +249,7 @@ static struct glint_blob *join(const struct glint_multipart_head *head, uint8_t 
     return glint_blob_take(bytes, length + head->length);
 }
 
-// The part of a tile, NULL where it has no samples any more because a live job has just moved.
+// The part of a tile, NULL where there is nothing to show any more because a live job has just moved.
 static glint_status make_part(const struct glint_job_view *view, const struct entry *e,
                               struct glint_blob **out, struct glint_error *err)
 {
@@ -258,7 +258,7 @@ static glint_status make_part(const struct glint_job_view *view, const struct en
     uint8_t *body = NULL;
     *out = NULL;
     const glint_status st = encode(view, e->tile, &body, &head, err);
-    if (st || !head.samples)
+    if (st || !head.length)
         return st;
     glint_render_tile_rect(view->render, e->tile, head.tile);
     *out = join(&head, body);

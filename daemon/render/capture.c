@@ -13,14 +13,15 @@ static glint_status begin_tile(void *user, uint32_t tile, struct glint_film_pixe
     const struct glint_capture *c = user;
     const struct glint_film_info *info = &c->view->info;
     const uint32_t first = glint_render_first(c->render);
-    const uint32_t samples = glint_film_capture_take(c->view->film, tile, c->memory);
+    const struct glint_film_state state = glint_film_capture_take(c->view->film, tile, c->memory);
     out->planes = (const float *)c->memory;
     out->table = info->coverage
                      ? (const uint64_t *)(const void *)((const char *)c->memory +
                                                         glint_film_info_plane_bytes(info))
                      : NULL;
+    out->step = state.step;
     for (uint32_t h = 0; h < 2; h++)
-        out->half[h] = glint_film_half(first, samples, h);
+        out->half[h] = glint_film_half(first, state.step ? 1 : state.samples, h);
     return GLINT_OK;
 }
 

@@ -25,7 +25,7 @@ static void clear_depth(const glint_film *f, uint32_t tile)
         depth[i] = 1e30f;
 }
 
-static void clear(const glint_film *f, uint32_t tile)
+void glint_film_clear_tile(const glint_film *f, uint32_t tile)
 {
     struct glint_film_tile at;
     glint_film_tile(f, tile, &at);
@@ -162,24 +162,37 @@ void glint_film_hold(glint_film *f, uint32_t column, uint32_t row, uint32_t w, u
     pthread_mutex_unlock(&f->mutex);
 }
 
-void glint_film_release(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h,
-                        uint32_t samples)
+static void release(glint_film *f, const uint32_t block[4], struct glint_film_state now)
 {
-    const uint32_t right = smaller(column + w, f->columns), bottom = smaller(row + h, f->rows);
+    const uint32_t right = smaller(block[0] + block[2], f->columns);
+    const uint32_t bottom = smaller(block[1] + block[3], f->rows);
     pthread_mutex_lock(&f->mutex);
-    f->sequence += samples > 0;
-    for (uint32_t y = row; y < bottom; y++)
-        for (uint32_t x = column; x < right; x++) {
+    f->sequence += now.samples || now.step;
+    for (uint32_t y = block[1]; y < bottom; y++)
+        for (uint32_t x = block[0]; x < right; x++) {
             struct glint_tile *t = &f->tile[y * f->columns + x];
             t->held = t->written = false;
             glint_film_capture_late(f, t);
-            if (samples) {
-                t->samples = samples;
+            if (now.samples || now.step) {
+                t->samples = now.samples;
+                t->step = (uint8_t)now.step;
                 t->version = f->sequence;
             }
         }
     pthread_cond_broadcast(&f->changed);
     pthread_mutex_unlock(&f->mutex);
+}
+
+void glint_film_release(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h,
+                        uint32_t samples)
+{
+    release(f, (const uint32_t[4]){column, row, w, h}, (struct glint_film_state){samples, 0});
+}
+
+void glint_film_release_coarse(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h,
+                               uint32_t step)
+{
+    release(f, (const uint32_t[4]){column, row, w, h}, (struct glint_film_state){0, step});
 }
 
 // Whether the held tile has to be emptied, which the caller does.
@@ -189,20 +202,33 @@ static bool outdated(glint_film *f, uint32_t tile)
     struct glint_tile *t = &f->tile[tile];
     const bool old = t->epoch != f->epoch;
     t->samples = old ? 0 : t->samples;
+    t->step = old ? 0 : t->step;
     t->epoch = f->epoch;
     pthread_mutex_unlock(&f->mutex);
     return old;
 }
 
+static uint32_t prepare(glint_film *f, const uint32_t block[4], bool empty)
+{
+    const uint32_t right = smaller(block[0] + block[2], f->columns);
+    const uint32_t bottom = smaller(block[1] + block[3], f->rows);
+    const uint32_t captures = glint_film_capture_before_write(f, block[0], block[1], right, bottom);
+    for (uint32_t y = block[1]; y < bottom; y++)
+        for (uint32_t x = block[0]; x < right; x++)
+            if (outdated(f, y * f->columns + x) && empty)
+                glint_film_clear_tile(f, y * f->columns + x);
+    return captures;
+}
+
 uint32_t glint_film_prepare(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h)
 {
-    const uint32_t right = smaller(column + w, f->columns), bottom = smaller(row + h, f->rows);
-    const uint32_t captures = glint_film_capture_before_write(f, column, row, right, bottom);
-    for (uint32_t y = row; y < bottom; y++)
-        for (uint32_t x = column; x < right; x++)
-            if (outdated(f, y * f->columns + x))
-                clear(f, y * f->columns + x);
-    return captures;
+    return prepare(f, (const uint32_t[4]){column, row, w, h}, true);
+}
+
+uint32_t glint_film_prepare_coarse(glint_film *f, uint32_t column, uint32_t row, uint32_t w,
+                                   uint32_t h)
+{
+    return prepare(f, (const uint32_t[4]){column, row, w, h}, false);
 }
 
 void glint_film_put(glint_film *f, uint32_t tile, const uint32_t *memory, uint32_t samples)
@@ -216,6 +242,7 @@ void glint_film_put(glint_film *f, uint32_t tile, const uint32_t *memory, uint32
                (size_t)f->tile_slots * 8);
     pthread_mutex_lock(&f->mutex);
     f->tile[tile].samples = samples;
+    f->tile[tile].step = 0;
     f->tile[tile].epoch = f->epoch;
     f->tile[tile].version = ++f->sequence;
     pthread_mutex_unlock(&f->mutex);
@@ -229,15 +256,15 @@ uint32_t glint_film_restart(glint_film *f)
     return epoch;
 }
 
-uint32_t glint_film_read_begin(glint_film *f, uint32_t tile, uint32_t epoch)
+struct glint_film_state glint_film_read_begin(glint_film *f, uint32_t tile, uint32_t epoch)
 {
     pthread_mutex_lock(&f->mutex);
     while (f->tile[tile].held)
         pthread_cond_wait(&f->changed, &f->mutex);
     f->tile[tile].readers++;
-    const uint32_t samples = glint_tile_samples(&f->tile[tile], epoch);
+    const struct glint_film_state state = glint_tile_state(&f->tile[tile], epoch);
     pthread_mutex_unlock(&f->mutex);
-    return samples;
+    return state;
 }
 
 void glint_film_read_end(glint_film *f, uint32_t tile)
@@ -251,7 +278,7 @@ void glint_film_read_end(glint_film *f, uint32_t tile)
 uint32_t glint_film_samples(glint_film *f, uint32_t tile)
 {
     pthread_mutex_lock(&f->mutex);
-    const uint32_t samples = glint_tile_samples(&f->tile[tile], f->epoch);
+    const uint32_t samples = glint_tile_state(&f->tile[tile], f->epoch).samples;
     pthread_mutex_unlock(&f->mutex);
     return samples;
 }
@@ -259,14 +286,17 @@ uint32_t glint_film_samples(glint_film *f, uint32_t tile)
 uint64_t glint_film_version(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h)
 {
     const uint32_t right = smaller(column + w, f->columns), bottom = smaller(row + h, f->rows);
-    uint64_t newest = 0;
+    uint64_t newest = 0, coarse = 0;
+    bool all = true;
     pthread_mutex_lock(&f->mutex);
     for (uint32_t y = row; y < bottom; y++)
         for (uint32_t x = column; x < right; x++) {
             const struct glint_tile *t = &f->tile[y * f->columns + x];
-            if (t->epoch == f->epoch && t->samples && t->version > newest)
-                newest = t->version;
+            const struct glint_film_state state = glint_tile_state(t, f->epoch);
+            all &= state.samples || state.step;
+            newest = t->version > newest ? t->version : newest;
+            coarse = state.step && t->version > coarse ? t->version : coarse;
         }
     pthread_mutex_unlock(&f->mutex);
-    return newest;
+    return !all ? 0 : coarse ? coarse : newest;
 }

@@ -3,6 +3,9 @@
 // A tile is held by one worker while a slice renders into it, or read by any number of readers, or
 // free. Nobody waits for a render but a reader, and that for at most one slice.
 //
+// Of a live job's first sample a tile may have every step-th pixel of every step-th row alone, with
+// steps of 8, then 4, then 2; until it has all, it has no sample. What lies between is not defined.
+//
 // A film that starts again is in a new epoch: what its tiles hold of older ones is not seen any
 // more, and is cleared by the worker that first renders into them.
 //
@@ -47,28 +50,46 @@ void glint_film_hold(glint_film *film, uint32_t column, uint32_t row, uint32_t w
 void glint_film_release(glint_film *film, uint32_t column, uint32_t row, uint32_t w, uint32_t h,
                         uint32_t samples);
 
+// Gives them back with every step-th pixel of their first sample.
+void glint_film_release_coarse(glint_film *film, uint32_t column, uint32_t row, uint32_t w,
+                               uint32_t h, uint32_t step);
+
 // Before the first write to the held tiles: copies those that a capture wants as they are, and
 // empties those that are of an older epoch. Returns the number of captures begun so far: one that
 // begins later has what is written now.
 uint32_t glint_film_prepare(glint_film *film, uint32_t column, uint32_t row, uint32_t w,
                             uint32_t h);
+// The same for a first sample that does not come all at once: nothing is emptied.
+uint32_t glint_film_prepare_coarse(glint_film *film, uint32_t column, uint32_t row, uint32_t w,
+                                   uint32_t h);
+// Empties a film that is one thread's.
+void glint_film_clear(glint_film *film);
+// What a film of two by two tiles has of a first sample is put where it belongs in the held tiles
+// from (column, row) on: pixels lie `step` apart there. coarser: not those that a step twice as
+// long has brought already. Sums have to be of floats.
+void glint_film_spread(glint_film *film, uint32_t column, uint32_t row, const glint_film *from,
+                       uint32_t step, bool coarser);
 
 // Begins a new epoch and returns it; the first is 0. No tile may be held.
 uint32_t glint_film_restart(glint_film *film);
 
-// Locks a tile for reading: waits while it is held. Returns its number of samples; 0 where those
-// are of another epoch.
-uint32_t glint_film_read_begin(glint_film *film, uint32_t tile, uint32_t epoch);
+// What the pixels of a tile have: samples, or if there are none every step-th the first; or nothing.
+struct glint_film_state {
+    uint32_t samples, step;
+};
+
+// Locks a tile for reading: waits while it is held. Nothing where it is of another epoch.
+struct glint_film_state glint_film_read_begin(glint_film *film, uint32_t tile, uint32_t epoch);
 void glint_film_read_end(glint_film *film, uint32_t tile);
 
 // One capture at a time. begin waits for the one before and keeps others waiting until end, by the
 // same thread. mark is the moment, whose epoch is the film's; settle waits for the slices out, no
 // longer than one takes; then take copies each tile once, planes and then tables, into `memory`
-// (glint_film_tile_bytes()) and returns its samples: 0, and no copy, where it has none.
+// (glint_film_tile_bytes()) and returns what it has: no copy where that is nothing.
 void glint_film_capture_begin(glint_film *film);
 uint32_t glint_film_capture_mark(glint_film *film); // captures begun so far, this one too
 void glint_film_capture_settle(glint_film *film);
-uint32_t glint_film_capture_take(glint_film *film, uint32_t tile, uint32_t *memory);
+struct glint_film_state glint_film_capture_take(glint_film *film, uint32_t tile, uint32_t *memory);
 void glint_film_capture_end(glint_film *film);
 
 size_t glint_film_tile_bytes(const glint_film *film);
@@ -78,7 +99,8 @@ void glint_film_put(glint_film *film, uint32_t tile, const uint32_t *memory, uin
 
 uint32_t glint_film_samples(glint_film *film, uint32_t tile);
 // Of the tiles [column, column + w) x [row, row + h), clipped to the film: grows with every release
-// that added samples to one of them; 0 before the first of the epoch.
+// that added samples to one of them, while all have some. While some are coarse it is that of the
+// last of those; 0 while one has nothing of the epoch.
 uint64_t glint_film_version(glint_film *film, uint32_t column, uint32_t row, uint32_t w,
                             uint32_t h);
 

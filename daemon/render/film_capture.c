@@ -42,17 +42,24 @@ void glint_film_capture_settle(glint_film *f)
 static void captured(glint_film *f, struct glint_tile *t)
 {
     t->wanted = t->copying = false;
-    t->copied = glint_tile_samples(t, f->captured_epoch);
+    t->copied = glint_tile_state(t, f->captured_epoch);
     pthread_cond_broadcast(&f->changed);
 }
 
-uint32_t glint_film_capture_take(glint_film *f, uint32_t tile, uint32_t *memory)
+// Under the mutex: whether there is anything to copy.
+static bool holds_any(const glint_film *f, const struct glint_tile *t)
+{
+    const struct glint_film_state state = glint_tile_state(t, f->captured_epoch);
+    return state.samples || state.step;
+}
+
+struct glint_film_state glint_film_capture_take(glint_film *f, uint32_t tile, uint32_t *memory)
 {
     struct glint_tile *t = &f->tile[tile];
     pthread_mutex_lock(&f->mutex);
     while (t->copying)
         pthread_cond_wait(&f->changed, &f->mutex);
-    const bool here = t->wanted && glint_tile_samples(t, f->captured_epoch);
+    const bool here = t->wanted && holds_any(f, t);
     t->readers += here;
     uint32_t *copy = t->copy;
     t->copy = NULL;
@@ -66,9 +73,9 @@ uint32_t glint_film_capture_take(glint_film *f, uint32_t tile, uint32_t *memory)
     t->readers -= here;
     if (t->wanted)
         captured(f, t);
-    const uint32_t samples = t->copied;
+    const struct glint_film_state state = t->copied;
     pthread_mutex_unlock(&f->mutex);
-    return samples;
+    return state;
 }
 
 void glint_film_capture_end(glint_film *f)
@@ -91,7 +98,7 @@ void glint_film_capture_end(glint_film *f)
 static void copy_tile(glint_film *f, uint32_t tile)
 {
     struct glint_tile *t = &f->tile[tile];
-    const bool empty = glint_tile_samples(t, f->captured_epoch) == 0;
+    const bool empty = !holds_any(f, t);
     t->copying = true;
     pthread_mutex_unlock(&f->mutex);
     uint32_t *copy = empty ? NULL : malloc(glint_film_tile_bytes(f));

@@ -9,14 +9,15 @@
 struct glint_tile {
     uint32_t samples, epoch;
     uint16_t readers;
+    uint8_t step; // of a first sample that only every step-th pixel has, while samples is 0; else 0
     bool held;
     bool written; // by a worker that holds it, from glint_film_prepare() on
     // While a capture is under way:
-    bool wanted;     // as it is: not captured yet
-    bool late;       // was being written when the capture began: its new state is wanted
-    bool copying;    // a worker copies it
-    uint32_t *copy;  // its memory then; NULL: it has not been written to since, or holds nothing
-    uint32_t copied; // samples of what was captured
+    bool wanted;    // as it is: not captured yet
+    bool late;      // was being written when the capture began: its new state is wanted
+    bool copying;   // a worker copies it
+    uint32_t *copy; // its memory then; NULL: it has not been written to since, or holds nothing
+    struct glint_film_state copied; // what was captured
     uint64_t version;
 };
 
@@ -39,10 +40,14 @@ struct glint_film {
 // The memory of a tile, its planes and then its tables.
 void glint_film_copy(const glint_film *film, uint32_t tile, uint32_t *out);
 
-// Under the mutex: the samples that a reader of the epoch sees.
-static inline uint32_t glint_tile_samples(const struct glint_tile *t, uint32_t epoch)
+// Of a tile that nobody else has.
+void glint_film_clear_tile(const glint_film *film, uint32_t tile);
+
+// Under the mutex: what a reader of the epoch sees.
+static inline struct glint_film_state glint_tile_state(const struct glint_tile *t, uint32_t epoch)
 {
-    return t->epoch == epoch ? t->samples : 0;
+    const struct glint_film_state nothing = {0};
+    return t->epoch == epoch ? (struct glint_film_state){t->samples, t->step} : nothing;
 }
 
 // Under the mutex, before a tile that is late is free again.

@@ -12,12 +12,16 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-#define GLINT_ORDERED_LOG2 1 // film tiles along a block of a live job's first samples, log2
+#define GLINT_COARSE_LOG2 1   // film tiles along a block of a live job's first sample, log2
+#define GLINT_COARSEST_LOG2 3 // its pixels lie so far apart at first
+#define GLINT_COARSE_STEPS (GLINT_COARSEST_LOG2 + 1)
 
 // The samples being given out: [sample, sample + samples) of every pixel, in blocks of
 // 2^tiles_log2 film tiles a side.
 struct glint_pass_state {
     uint32_t sample, samples, tiles_log2;
+    bool coarse;          // only the pixels that lie 2^spread_log2 apart and have had no sample
+    uint32_t spread_log2; // 0: unless coarse
     uint32_t blocks_wide, blocks_high, blocks; // of the whole film
     uint32_t start;                            // the block that is given out first
     uint32_t next;                             // blocks given out, counted from there
@@ -54,8 +58,9 @@ struct glint_render {
     glint_wave **wave; // [workers], each made and used by its worker alone
     // [film tiles]: written by the worker that holds the tile, read under the mutex when none does.
     struct glint_tile_estimate *tile_estimate;
-    uint32_t *order;         // of a live job: how blocks of GLINT_ORDERED_LOG2 go, or NULL
-    atomic_bool interrupted; // slices out are to be given up
+    glint_film **coarse; // [workers]: of a live job, 2 x 2 tiles each, made as its wave is
+    uint32_t *order[GLINT_COARSE_STEPS]; // of a live job: how blocks go, by the pass's spread_log2
+    atomic_bool interrupted;             // slices out are to be given up
     // Replaced under the mutex by whoever hands out slices, while none is out: it and the workers
     // that hold slices read it without.
     struct glint_view *view;
@@ -116,6 +121,10 @@ uint64_t glint_render_pixels(const glint_render *r);
 // The passes, under the mutex. begin: with the samples from `sample` on; end: all blocks are back.
 void glint_pass_begin(glint_render *r, uint32_t sample);
 void glint_pass_end(glint_render *r);
+// The share of its samples that a pass has brought.
+double glint_pass_share(const struct glint_pass_state *p);
+// Whether the first sample of the job comes coarsely.
+bool glint_pass_coarsens(const struct glint_job *job);
 // Begins with the first sample again. A first pass that was cut off goes on where it was: with the
 // blocks that have waited for longest.
 void glint_pass_restart(glint_render *r);

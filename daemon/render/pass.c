@@ -13,8 +13,14 @@ uint32_t glint_render_first(const glint_render *r)
 static uint32_t block_size(const struct glint_render *r, uint32_t samples)
 {
     if (samples == 1)
-        return r->job.live ? GLINT_ORDERED_LOG2 : 2;
+        return r->job.live ? GLINT_COARSE_LOG2 + r->pass.spread_log2 : 2;
     return samples <= 4 ? 1 : 0;
+}
+
+// Films of doubles are for who measures, not for who moves.
+bool glint_pass_coarsens(const struct glint_job *job)
+{
+    return job->live && job->dial[GLINT_DIAL_PRECISION] != 0;
 }
 
 static void lay_blocks(struct glint_render *r)
@@ -31,7 +37,8 @@ static void lay_blocks(struct glint_render *r)
 void glint_pass_restart(struct glint_render *r)
 {
     struct glint_pass_state *p = &r->pass;
-    const bool cut_off = p->samples > 0 && p->sample == glint_render_first(r);
+    const bool cut_off = p->samples > 0 && p->sample == glint_render_first(r) &&
+                         (!p->coarse || p->spread_log2 == GLINT_COARSEST_LOG2);
     const uint32_t reached = (p->start + p->next - p->redos) % p->blocks;
     glint_pass_begin(r, glint_render_first(r));
     p->start = cut_off ? reached : 0;
@@ -53,8 +60,27 @@ void glint_pass_begin(struct glint_render *r, uint32_t sample)
     const uint32_t wanted = pass_samples(sample);
     p->sample = sample;
     p->samples = sample + wanted > r->target ? r->target - sample : wanted;
+    p->coarse = glint_pass_coarsens(&r->job) && sample == 0;
+    p->spread_log2 = p->coarse ? GLINT_COARSEST_LOG2 : 0;
     p->tiles_log2 = block_size(r, p->samples);
     lay_blocks(r);
+}
+
+// The pixels between those of the step before.
+static void refine(struct glint_render *r)
+{
+    struct glint_pass_state *p = &r->pass;
+    p->spread_log2--;
+    p->tiles_log2--;
+    lay_blocks(r);
+}
+
+double glint_pass_share(const struct glint_pass_state *p)
+{
+    const double pixels = 1.0 / (double)(1u << 2 * p->spread_log2);
+    const double before = p->coarse && p->spread_log2 < GLINT_COARSEST_LOG2 ? pixels / 4 : 0.0;
+    const double share = p->blocks ? (double)p->done / p->blocks : 0.0;
+    return before + share * (pixels - before);
 }
 
 static void block_place(const struct glint_render *r, uint32_t block, uint32_t *column,
@@ -84,6 +110,7 @@ static void slice_fill(const struct glint_render *r, uint32_t block, struct glin
     out->sample = r->pass.sample;
     out->samples = r->pass.samples;
     out->tiles_log2 = r->pass.tiles_log2;
+    out->step = r->pass.coarse ? 1u << r->pass.spread_log2 : 0;
 }
 
 static uint32_t next_block(struct glint_render *r)
@@ -92,7 +119,7 @@ static uint32_t next_block(struct glint_render *r)
     if (p->redos > 0)
         return p->redo[--p->redos];
     const uint32_t next = (p->start + p->next++) % p->blocks;
-    return r->order && p->tiles_log2 == GLINT_ORDERED_LOG2 ? r->order[next] : next;
+    return p->coarse ? r->order[p->spread_log2][next] : next;
 }
 
 bool glint_render_take(glint_render *r, struct glint_slice *out)
@@ -134,6 +161,8 @@ bool glint_pass_resume(glint_render *r, const struct glint_film_moment *was,
     p->sample = was->sample;
     p->samples = was->samples;
     p->tiles_log2 = was->tiles_log2;
+    p->coarse = false;
+    p->spread_log2 = 0;
     lay_blocks(r);
     for (uint32_t b = p->blocks; b-- > 0;) { // the last to be redone comes first
         const uint32_t samples = block_samples(r, b, tile_samples);
@@ -165,6 +194,10 @@ bool glint_pass_stops(struct glint_render *r, uint32_t end)
 
 void glint_pass_end(struct glint_render *r)
 {
+    if (r->pass.spread_log2) {
+        refine(r);
+        return;
+    }
     const uint32_t end = r->pass.sample + r->pass.samples;
     glint_render_measure_pass(r, end - glint_render_first(r));
     glint_pass_stops(r, end);
@@ -177,8 +210,11 @@ void glint_render_give_back(glint_render *r, const struct glint_slice *s, bool d
     uint32_t column, row;
     block_place(r, s->block, &column, &row);
     const uint32_t side = 1u << r->pass.tiles_log2;
-    glint_film_release(r->film, column, row, side, side,
-                       done ? s->sample + s->samples - glint_render_first(r) : 0);
+    if (done && s->step > 1)
+        glint_film_release_coarse(r->film, column, row, side, side, s->step);
+    else
+        glint_film_release(r->film, column, row, side, side,
+                           done ? s->sample + s->samples - glint_render_first(r) : 0);
     if (done)
         r->pass.done++;
     else

@@ -9,10 +9,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-static uint32_t blocks(uint32_t pixels)
+static uint32_t blocks(uint32_t pixels, uint32_t spread_log2)
 {
-    const uint32_t side = GK_TILE_SIDE << GLINT_ORDERED_LOG2;
+    const uint32_t side = GK_TILE_SIDE << GLINT_COARSE_LOG2 << spread_log2;
     return (pixels + side - 1) / side;
+}
+
+static bool make_coarse(struct glint_render *r)
+{
+    const uint32_t *region = r->job.region;
+    bool ok = true;
+    for (uint32_t s = 0; s < GLINT_COARSE_STEPS; s++)
+        ok &= (r->order[s] = glint_order_create(blocks(region[2], s), blocks(region[3], s))) != 0;
+    r->coarse = calloc(glint_devices_workers(r->devices), sizeof *r->coarse);
+    return ok && r->coarse;
 }
 
 static glint_status prepare(struct glint_render *r, glint_resident *scene,
@@ -28,9 +38,8 @@ static glint_status prepare(struct glint_render *r, glint_resident *scene,
     r->wave = calloc(glint_devices_workers(r->devices), sizeof *r->wave);
     r->tile_estimate = calloc(tiles, sizeof *r->tile_estimate);
     r->pass.redo = calloc(tiles, sizeof *r->pass.redo);
-    if (r->job.live)
-        r->order = glint_order_create(blocks(r->job.region[2]), blocks(r->job.region[3]));
-    if (!r->wave || !r->tile_estimate || !r->pass.redo || (r->job.live && !r->order))
+    if (!r->wave || !r->tile_estimate || !r->pass.redo ||
+        (glint_pass_coarsens(&r->job) && !make_coarse(r)))
         return glint_fail(err, GLINT_E_NOMEM, "/resolution", "no memory for %zu tiles", tiles);
     r->target = glint_render_first(r) + r->job.stop.samples;
     glint_render_measure_nothing(r);
@@ -111,11 +120,15 @@ void glint_render_destroy(glint_render **render)
         return;
     for (uint32_t w = 0; r->wave && w < glint_devices_workers(r->devices); w++)
         glint_wave_destroy(&r->wave[w]);
+    for (uint32_t w = 0; r->coarse && w < glint_devices_workers(r->devices); w++)
+        glint_film_destroy(&r->coarse[w]);
     free(r->wave);
+    free(r->coarse);
     glint_archive_close(&r->archive);
     free(r->tile_estimate);
     free(r->pass.redo);
-    free(r->order);
+    for (uint32_t s = 0; s < GLINT_COARSE_STEPS; s++)
+        free(r->order[s]);
     glint_film_destroy(&r->film);
     glint_view_release(&r->view);
     glint_arena_finish(&r->job.arena);
@@ -164,6 +177,65 @@ static void add_stats(struct glint_render *r, const struct glint_wave_stats *now
     pthread_mutex_unlock(&r->mutex);
 }
 
+static struct glint_wave_block block_of(const glint_render *r, const struct glint_slice *s)
+{
+    const uint32_t *region = r->job.region;
+    return (struct glint_wave_block){.x = s->x,
+                                     .y = s->y,
+                                     .x_end = region[0] + region[2],
+                                     .y_end = region[1] + region[3],
+                                     .column = (s->x - region[0]) / GK_TILE_SIDE,
+                                     .row = (s->y - region[1]) / GK_TILE_SIDE,
+                                     .tiles_log2 = s->tiles_log2,
+                                     .sample = s->sample,
+                                     .samples = s->samples};
+}
+
+static glint_status run_whole(glint_render *r, struct glint_worker *worker,
+                              const struct glint_slice *s, uint32_t *captures,
+                              struct glint_error *err)
+{
+    const struct glint_wave_block block = block_of(r, s);
+    const uint32_t side = 1u << block.tiles_log2;
+    *captures = glint_film_prepare(r->film, block.column, block.row, side, side);
+    const glint_status st = glint_wave_run(r->wave[glint_worker_index(worker)], worker,
+                                           &r->view->wave_job, &block, r->film, err);
+    if (!st)
+        measure_block(r, &block);
+    return st;
+}
+
+static glint_status get_coarse(glint_render *r, glint_film **film, struct glint_error *err)
+{
+    struct glint_job small = r->job; // borrows
+    small.region[2] = small.region[3] = GK_TILE_SIDE << GLINT_COARSE_LOG2;
+    if (!*film)
+        return glint_film_create(film, r->devices, &r->view->plan, &small, err);
+    glint_film_clear(*film);
+    return GLINT_OK;
+}
+
+static glint_status run_coarse(glint_render *r, struct glint_worker *worker,
+                               const struct glint_slice *s, uint32_t *captures,
+                               struct glint_error *err)
+{
+    const uint32_t w = glint_worker_index(worker), side = 1u << s->tiles_log2;
+    const struct glint_wave_block block = block_of(r, s);
+    const bool coarser = s->step < 1u << GLINT_COARSEST_LOG2;
+    struct glint_wave_block small = block;
+    small.column = small.row = 0;
+    small.tiles_log2 = GLINT_COARSE_LOG2;
+    small.spread_log2 = s->tiles_log2 - GLINT_COARSE_LOG2;
+    small.coarser = coarser;
+    *captures = glint_film_prepare_coarse(r->film, block.column, block.row, side, side);
+    glint_status st = get_coarse(r, &r->coarse[w], err);
+    if (!st)
+        st = glint_wave_run(r->wave[w], worker, &r->view->wave_job, &small, r->coarse[w], err);
+    if (!st)
+        glint_film_spread(r->film, block.column, block.row, r->coarse[w], s->step, coarser);
+    return st;
+}
+
 glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
                               const struct glint_slice *s, struct glint_error *err)
 {
@@ -171,22 +243,10 @@ glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
     glint_status st = *wave ? GLINT_OK : glint_wave_create(wave, r->devices, err);
     if (st)
         return st;
-    const uint32_t *region = r->job.region;
-    const struct glint_wave_block block = {s->x,
-                                           s->y,
-                                           region[0] + region[2],
-                                           region[1] + region[3],
-                                           (s->x - region[0]) / GK_TILE_SIDE,
-                                           (s->y - region[1]) / GK_TILE_SIDE,
-                                           s->tiles_log2,
-                                           s->sample,
-                                           s->samples};
     const struct glint_wave_stats before = *glint_wave_stats(*wave);
-    const uint32_t side = 1u << block.tiles_log2;
-    const uint32_t captures = glint_film_prepare(r->film, block.column, block.row, side, side);
-    st = glint_wave_run(*wave, worker, &r->view->wave_job, &block, r->film, err);
-    if (!st)
-        measure_block(r, &block);
+    uint32_t captures;
+    st = s->step ? run_coarse(r, worker, s, &captures, err)
+                 : run_whole(r, worker, s, &captures, err);
     add_stats(r, glint_wave_stats(*wave), &before, captures);
     return st;
 }
@@ -198,7 +258,7 @@ void glint_render_moment(const glint_render *r, struct glint_film_moment *out)
     out->stopped = r->stopped;
     out->sample = r->pass.sample;
     out->samples = r->pass.samples;
-    out->tiles_log2 = r->pass.tiles_log2;
+    out->tiles_log2 = r->pass.tiles_log2 - r->pass.spread_log2; // films hold whole samples
     out->target = r->target;
     out->estimate = r->estimate.whole;
     out->worker_seconds = r->worker_seconds;
@@ -216,7 +276,7 @@ void glint_render_state(const glint_render *render, struct glint_render_state *o
     struct glint_film_moment now;
     pthread_mutex_lock(&r->mutex);
     const struct glint_pass_state *p = &r->pass;
-    const double partly = p->blocks ? (double)p->done / p->blocks * p->samples : 0.0;
+    const double partly = p->blocks ? glint_pass_share(p) * p->samples : 0.0;
     glint_render_moment(r, &now);
     const struct glint_forecast forecast = r->forecast;
     pthread_mutex_unlock(&r->mutex);

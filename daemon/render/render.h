@@ -3,6 +3,9 @@
 // The scheduler asks for slices and hands them to workers; a worker runs one and returns; whoever
 // wants pixels takes an immutable snapshot. Nothing here knows of HTTP or of other jobs.
 //
+// The first sample of a live job comes coarsely: of one pixel in 8x8, then 4x4, 2x2, then of all. No
+// sample is taken twice, and the film is the same afterwards as if it had come at once.
+//
 // A live job's render moves: to another revision of the scene, another camera. It starts again then
 // on the same film; who reads meanwhile gets pixels of one view, never of two.
 //
@@ -30,6 +33,7 @@ struct glint_slice {
     uint32_t x, y, w, h;      // pixels in the display window, clipped to the region
     uint32_t sample, samples; // first sample index and their number
     uint32_t tiles_log2;      // the block is 2^n film tiles wide and high
+    uint32_t step;            // 0: all pixels; else those that lie so far apart, of a first sample
 };
 
 // Bytes of film that the job will hold, known before anything is spent. Its camera, if named, is in
@@ -110,15 +114,17 @@ size_t glint_render_convergence(const glint_render *render, struct glint_converg
                                 size_t capacity);
 
 // Tiles as clients see them: `tiles` rectangles of at most 64x64, each with a version that grows
-// when its pixels change. A reader keeps its own cursor of versions.
+// when its pixels change, and is 0 while some of it has nothing to show. A reader keeps its own
+// cursor of versions.
 uint32_t glint_render_tiles(const glint_render *render);
 void glint_render_tile_rect(const glint_render *render, uint32_t tile, uint32_t rect[4]);
 uint64_t glint_render_tile_version(const glint_render *render, uint32_t tile);
 
 // The frame, or the tile, as it stands: every pixel consistent, complete with all attributes of
 // CONVENTIONS b. `outputs` selects (a subset of the job's). Tiles: beauty as half RGBA.
-// *samples (may be NULL): fewest samples among the pixels given. revision (may be NULL): of the
-// scene that they show.
+// *samples (may be NULL): fewest samples among the pixels given: 0 while they come coarsely, where a
+// pixel that has none is shown as one that has. *version (may be NULL): of what is given at least.
+// revision (may be NULL): of the scene that they show.
 glint_status glint_render_frame(glint_render *render, uint32_t outputs, struct glint_frame **out,
                                 uint32_t *samples, struct glint_error *err);
 glint_status glint_render_tile(glint_render *render, uint32_t tile, struct glint_frame **out,

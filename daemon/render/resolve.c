@@ -92,7 +92,7 @@ void glint_render_tile_rect(const glint_render *r, uint32_t tile, uint32_t rect[
     rect[3] = r->job.region[3] - y < CLIENT_TILE ? r->job.region[3] - y : CLIENT_TILE;
 }
 
-// Of a file: whether any of its film tiles has samples.
+// Of a file: whether all of its film tiles have samples.
 static bool tile_has_samples(const glint_render *r, uint32_t tile)
 {
     const glint_film_file *file = glint_archive_file(r->archive);
@@ -102,9 +102,9 @@ static bool tile_has_samples(const glint_render *r, uint32_t tile)
     const uint32_t x0 = tile % client_columns(r) * side, y0 = tile / client_columns(r) * side;
     for (uint32_t y = y0; y < y0 + side && y < rows; y++)
         for (uint32_t x = x0; x < x0 + side && x < columns; x++)
-            if (glint_film_file_samples(file, y * columns + x))
-                return true;
-    return false;
+            if (!glint_film_file_samples(file, y * columns + x))
+                return false;
+    return true;
 }
 
 uint64_t glint_render_tile_version(const glint_render *r, uint32_t tile)
@@ -116,44 +116,49 @@ uint64_t glint_render_tile_version(const glint_render *r, uint32_t tile)
                               tile / client_columns(r) * side, side, side);
 }
 
-// One tile is read in place: its film tiles are locked one after the other.
+// A tile or less: as it is in the file, or now. Now it is read in place: its film tiles are locked
+// one after the other.
+struct spot {
+    struct glint_view *view; // NULL: of a file
+    bool blank;              // one has nothing to show
+    struct glint_film_source source;
+};
+
 static glint_status lock_tile(void *user, uint32_t tile, struct glint_film_pixels *out,
                               struct glint_error *err)
 {
     (void)err; // memory cannot fail
-    const struct glint_view *view = user;
+    struct spot *spot = user;
+    const struct glint_view *view = spot->view;
     struct glint_film_tile at;
-    const uint32_t samples = glint_film_read_begin(view->film, tile, view->epoch);
+    const struct glint_film_state state = glint_film_read_begin(view->film, tile, view->epoch);
     glint_film_tile(view->film, tile, &at);
     out->planes = (const float *)glint_buffer_host(at.planes) + at.planes_offset;
     if (at.tables)
         out->table = (const uint64_t *)glint_buffer_host(at.tables) + at.tables_offset;
+    spot->blank |= !state.samples && !state.step;
+    out->step = state.step;
     for (uint32_t h = 0; h < 2; h++)
-        out->half[h] = glint_film_half(glint_render_first(view->render), samples, h);
+        out->half[h] =
+            glint_film_half(glint_render_first(view->render), state.step ? 1 : state.samples, h);
     return GLINT_OK;
 }
 
 static void unlock_tile(void *user, uint32_t tile)
 {
-    const struct glint_view *view = user;
-    glint_film_read_end(view->film, tile);
+    const struct spot *spot = user;
+    glint_film_read_end(spot->view->film, tile);
 }
-
-// A tile or less: as it is in the file, or now.
-struct spot {
-    struct glint_view *view; // NULL: of a file
-    struct glint_film_source source;
-};
 
 static glint_status spot_begin(struct spot *s, glint_render *r, struct glint_error *err)
 {
-    s->view = NULL;
+    *s = (struct spot){0};
     if (r->archive)
         return glint_archive_source(r->archive, &s->source, err);
     s->view = glint_view_hold(r);
     s->source = (struct glint_film_source){.info = &s->view->info,
                                            .complete = glint_render_complete(r),
-                                           .user = s->view,
+                                           .user = s,
                                            .begin = lock_tile,
                                            .end = unlock_tile};
     return GLINT_OK;
@@ -185,6 +190,8 @@ glint_status glint_render_tile(glint_render *r, uint32_t tile, struct glint_fram
     st = glint_film_frame(&s.source, rect, GLINT_OUT_BEAUTY, out, samples, err);
     if (revision)
         snprintf(revision, 65, "%s", s.source.info->revision);
+    if (version && s.blank) // a move came in between
+        *version = 0;
     spot_end(&s);
     return st;
 }

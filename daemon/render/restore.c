@@ -13,7 +13,8 @@ static glint_status write_tiles(struct glint_film_writer *w, struct glint_captur
     const uint32_t tiles = glint_film_columns(c->view->film) * glint_film_rows(c->view->film);
     glint_status st = GLINT_OK;
     for (uint32_t t = 0; !st && t < tiles; t++) {
-        const uint32_t samples = glint_film_capture_take(c->view->film, t, c->memory);
+        const uint32_t samples =
+            glint_film_capture_take(c->view->film, t, c->memory).samples; // whole ones
         if (samples)
             st = glint_film_writer_tile(w, t, samples, c->memory, err);
     }

@@ -54,6 +54,8 @@ struct glint_wave_block {
     uint32_t x_end, y_end; // first pixel beyond the region
     uint32_t column, row, tiles_log2;
     uint32_t sample, samples;
+    uint32_t spread_log2; // from a pixel to the next in the display window; not in the film
+    bool coarser;         // pixels in even columns of even rows have had the sample
 };
 glint_status glint_wave_run(glint_wave *wave, glint_worker *worker,
                             const struct glint_wave_job *job, const struct glint_wave_block *block,

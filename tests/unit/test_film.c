@@ -118,7 +118,7 @@ static void *read_tiles(void *user)
     uint32_t samples = 0;
     while (samples < 400) {
         struct glint_film_tile at;
-        samples = glint_film_read_begin(race->film, 0, 0);
+        samples = glint_film_read_begin(race->film, 0, 0).samples;
         glint_film_tile(race->film, 0, &at);
         const float *planes = (const float *)glint_buffer_host(at.planes) + at.planes_offset;
         for (uint32_t i = 0; i < GK_TILE_PIXELS; i++)

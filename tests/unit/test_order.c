@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -73,15 +74,15 @@ static void it_goes_from_the_middle_outwards(void **state)
     }
 }
 
-// A live render of 8 x 6 blocks.
+// Live renders. Where the coarsest pixels of 256 x 256 make a block, the wide one has 8 x 6.
 
 static const char scene_text[] =
     "{\"meshes\": {\"q\": {\"primitive\": \"quad\"}}, \"materials\": {\"m\": {}},"
     " \"instances\": {\"i\": {\"mesh\": \"q\", \"material\": \"m\"}},"
     " \"environment\": {\"radiance\": [1, 1, 1]}}";
-static const char job_text[] =
-    "{\"scene\": \"s\", \"live\": true, \"resolution\": [256, 192], \"stop\": {\"samples\": 4},"
-    " \"camera\": {\"yfov\": 0.8, \"transform\": {\"translation\": [0, 0, 3]}}}";
+#define JOB_TEXT                                                                               \
+    "{\"scene\": \"s\", \"live\": true, \"resolution\": [%u, %u], \"stop\": {\"samples\": 4}," \
+    " \"camera\": {\"yfov\": 0.8, \"transform\": {\"translation\": [0, 0, 3]}}}"
 
 struct fixture {
     glint_resident *scene;
@@ -89,11 +90,13 @@ struct fixture {
     glint_render *render;
 };
 
-static void open_render(struct fixture *f)
+static void open_render(struct fixture *f, uint32_t width, uint32_t height)
 {
     struct glint_error err = {0};
+    char text[512];
+    snprintf(text, sizeof text, JOB_TEXT, width, height);
     f->scene = offline_load_text(&offline_crew, scene_text);
-    f->job = offline_job(job_text);
+    f->job = offline_job(text);
     if (glint_render_create(&f->render, offline_crew.devices, f->scene, NULL, f->job, &err))
         offline_die("render", &err);
 }
@@ -127,7 +130,7 @@ static void run(struct fixture *f, uint32_t taken, uint32_t left, unsigned *runs
         const bool done = i + left < taken;
         if (done && glint_render_run(f->render, worker, &slice[i], &err))
             offline_die("slice", &err);
-        if (done && slice[i].sample == 0)
+        if (done && slice[i].step == 8)
             runs[slice[i].block]++;
         glint_render_give_back(f->render, &slice[i], done);
     }
@@ -139,7 +142,7 @@ static void every_block_has_its_turn_however_often_the_view_changes(void **state
     enum { BLOCKS = 48, DONE = 3 };
     struct fixture f;
     unsigned runs[BLOCKS] = {0};
-    open_render(&f);
+    open_render(&f, 2048, 1536);
     for (int round = 0; round < 2 * BLOCKS / DONE; round++) {
         run(&f, DONE + 2, 2, runs);
         look_again(&f);
@@ -155,10 +158,10 @@ static void a_view_that_was_covered_is_followed_from_the_middle(void **state)
     struct fixture f;
     struct glint_slice first, again;
     unsigned runs[48] = {0};
-    open_render(&f);
+    open_render(&f, 2048, 1536);
     assert_true(glint_render_take(f.render, &first));
     glint_render_give_back(f.render, &first, false);
-    assert_true(first.x >= 64 && first.x < 192 && first.y >= 64 && first.y < 128);
+    assert_true(first.x >= 512 && first.x < 1536 && first.y >= 512 && first.y < 1024);
     for (int i = 0; i < 50; i++)
         run(&f, 1, 0, runs);
     look_again(&f);
@@ -176,7 +179,7 @@ static void the_order_does_not_show_in_the_picture(void **state)
     unsigned runs[48] = {0};
     struct glint_frame *frame[2];
     for (int i = 0; i < 2; i++) {
-        open_render(&f);
+        open_render(&f, 640, 480);
         for (int round = 0; round < 5 * i; round++) {
             run(&f, 4, 2, runs);
             look_again(&f);
@@ -189,7 +192,7 @@ static void the_order_does_not_show_in_the_picture(void **state)
     static const char *const channel[] = {"R", "G", "B", "A"};
     for (int c = 0; c < 4; c++)
         assert_memory_equal(glint_frame_find(frame[0], channel[c]),
-                            glint_frame_find(frame[1], channel[c]), 256 * 192 * sizeof(float));
+                            glint_frame_find(frame[1], channel[c]), 640 * 480 * sizeof(float));
     glint_frame_destroy(&frame[0]);
     glint_frame_destroy(&frame[1]);
 }
