@@ -144,19 +144,18 @@ glint_status glint_watch_create(glint_watch **out, void (*round)(void *user), vo
     glint_status st = GLINT_OK;
     if (w->poll < 0 || w->event < 0 || epoll_ctl(w->poll, EPOLL_CTL_ADD, w->event, &wake))
         st = glint_fail(err, GLINT_E_IO, "", "no descriptors for the watcher");
+    *out = w; // rounds find it there
     if (!st)
         st = glint_thread_start(&w->thread, "http-watch", serve, w, err);
     w->started = !st;
     if (st)
-        glint_watch_destroy(&w);
-    *out = w;
+        glint_watch_destroy(out);
     return st;
 }
 
 void glint_watch_destroy(glint_watch **watch)
 {
     glint_watch *w = *watch;
-    *watch = NULL;
     if (!w)
         return;
     if (w->started) {
@@ -166,6 +165,7 @@ void glint_watch_destroy(glint_watch **watch)
         glint_watch_wake(w);
         pthread_join(w->thread, NULL);
     }
+    *watch = NULL; // not before: a last round may wake it
     while (w->first)
         glint_watch_remove(w, w->first->number);
     if (w->poll >= 0)
