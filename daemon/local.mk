@@ -134,6 +134,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/describe.h \
 	daemon/jobs/jobs.c \
 	daemon/jobs/jobs.h \
+	daemon/jobs/invariants.c \
+	daemon/jobs/invariants.h \
 	daemon/jobs/journal.c \
 	daemon/jobs/journal.h \
 	daemon/jobs/list.c \
@@ -159,6 +161,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/turn.h \
 	daemon/jobs/use.c \
 	daemon/jobs/use.h \
+	daemon/jobs/warn.c \
+	daemon/jobs/warn.h \
 	daemon/render/archive.c \
 	daemon/render/archive.h \
 	daemon/render/camera.c \
@@ -193,6 +197,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/render/resolve.c \
 	daemon/render/restore.c \
 	daemon/render/size.c \
+	daemon/render/sound.c \
 	daemon/render/view.c \
 	daemon/render/wave.c \
 	daemon/render/wave.h \

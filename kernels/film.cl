@@ -13,17 +13,17 @@ __kernel void accumulate_colour(const __global float *restrict wave, const gk_u3
         return;
     const gk_f32 r = GK_LOAD(GK_COL_LR, lane + i), g = GK_LOAD(GK_COL_LG, lane + i),
                  b = GK_LOAD(GK_COL_LB, lane + i);
-    const gk_i32 finite = gk_isfinite(r) && gk_isfinite(g) && gk_isfinite(b);
+    const gk_i32 sound = gk_radiance_sound(r) && gk_radiance_sound(g) && gk_radiance_sound(b);
     __global float *tile = film + offset;
     __global float *colour =
         tile + (GK_PLANE_COLOUR + half_index * 3u * GK_SUM_PLANES) * GK_TILE_PIXELS;
-    gk_film_add(colour, i, finite ? r : 0.0f);
-    gk_film_add(colour + GK_SUM_PLANES * GK_TILE_PIXELS, i, finite ? g : 0.0f);
-    gk_film_add(colour + 2 * GK_SUM_PLANES * GK_TILE_PIXELS, i, finite ? b : 0.0f);
+    gk_film_add(colour, i, sound ? r : 0.0f);
+    gk_film_add(colour + GK_SUM_PLANES * GK_TILE_PIXELS, i, sound ? g : 0.0f);
+    gk_film_add(colour + 2 * GK_SUM_PLANES * GK_TILE_PIXELS, i, sound ? b : 0.0f);
     __global gk_u32 *hits = (__global gk_u32 *)tile + GK_PLANE_HITS * GK_TILE_PIXELS;
     __global gk_u32 *rejected = (__global gk_u32 *)tile + GK_PLANE_REJECTED * GK_TILE_PIXELS;
     hits[i] += GK_LOAD_U32(GK_COL_KEY, lane + i) != GK_MATTE_BACKGROUND ? 1u : 0u;
-    rejected[i] += finite ? 0u : 1u;
+    rejected[i] += sound ? 0u : 1u;
 }
 
 #ifdef GK_AOVS

@@ -22,7 +22,7 @@
 #define GK_SUM_PLANES 3      // of a sum of radiance
 #define GK_PLANE_COLOUR 0    // [half A, B][r, g, b] sums of radiance
 #define GK_PLANE_HITS 18     // samples that hit something
-#define GK_PLANE_REJECTED 19 // samples whose radiance was not finite
+#define GK_PLANE_REJECTED 19 // samples whose radiance was negative or not finite
 #define GK_PLANES_BASE 20
 // With AOVs, after the base planes:
 #define GK_AOV_DEPTH 0  // least distance along the view axis
@@ -33,6 +33,9 @@
 #define GK_AOV_FLOW 13
 #define GK_PLANES_FLOW 8
 
+// Red of a sample that could not be followed through nested solids; light itself is never that.
+#define GK_RADIANCE_NESTED (-GK_INFINITY)
+
 #define GK_SUM_LARGEST 0x1p100f
 #define GK_SUM_LEAST 0x1p-100f
 
@@ -41,6 +44,12 @@
 #define GK_FIXED_UNIT_LARGEST 8.0f
 #define GK_FIXED_FLOW 21 // motion, pixels
 #define GK_FIXED_FLOW_LARGEST 131072.0f
+
+// Whether a sample may have this much light; NaN may not.
+GK_INLINE gk_i32 gk_radiance_sound(gk_f32 x)
+{
+    return x >= 0.0f && x < GK_INFINITY;
+}
 
 // a + b rounded; *lost: what rounding took, exactly.
 GK_INLINE gk_f32 gk_two_sum(gk_f32 a, gk_f32 b, gk_f32 *lost)

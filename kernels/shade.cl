@@ -2,6 +2,7 @@
 //
 // Unbiased path tracing with next-event estimation and multiple importance sampling (Veach 1997).
 // One item per path; every item reads and writes its own columns only.
+#include "kernels/gk_film.h"
 #include "kernels/gk_light_grid.h"
 #include "kernels/gk_transport.h"
 #include "kernels/gk_vertex.h"
@@ -321,7 +322,7 @@ GK_INLINE void gk_add_found(__global float *wave, gk_u32 stride,
     const struct gk_vec beyond = gk_miss_radiance(frame, lights, &x->path);
     const struct gk_vec found = gk_mul(x->path.beta, gk_vec_select(emitted, beyond, x->missed));
     const struct gk_vec seen = gk_vec_select(found, gk_splat(0.0f), x->in_medium || x->passes);
-    const gk_f32 failed = x->fails ? GK_INFINITY : 0.0f;
+    const gk_f32 failed = x->fails ? GK_RADIANCE_NESTED : 0.0f;
     const gk_u32 lane = x->path.lane;
     GK_STORE(GK_COL_LR, lane, GK_LOAD(GK_COL_LR, lane) + seen.x + failed);
     GK_STORE(GK_COL_LG, lane, GK_LOAD(GK_COL_LG, lane) + seen.y);

@@ -39,6 +39,7 @@ static const struct glint_field moment_fields[] = {
     GLINT_FIELD_KNOWN("camera_rays"),
     GLINT_FIELD_KNOWN("bounce_rays"),
     GLINT_FIELD_KNOWN("shadow_rays"),
+    GLINT_FIELD_KNOWN("counts"),
     GLINT_FIELD_KNOWN("curve"),
     {0},
 };
@@ -106,6 +107,15 @@ static void write_curve(struct glint_text *t, const struct glint_film_moment *m)
     glint_text_add(t, "]");
 }
 
+static void write_counts(struct glint_text *t, const struct glint_film_moment *m)
+{
+    glint_text_key(t, "counts");
+    glint_text_add(t, "{");
+    for (int i = 0; i < GLINT_COUNTS; i++)
+        write_count(t, glint_count_name[i], m->count[i]);
+    glint_text_add(t, "}");
+}
+
 static void write_estimate(struct glint_text *t, const struct glint_estimate *e)
 {
     write_double(t, "error", e->error);
@@ -136,6 +146,7 @@ static void write_moment(struct glint_text *t, const struct glint_film_moment *m
     write_count(t, "camera_rays", m->camera_rays);
     write_count(t, "bounce_rays", m->bounce_rays);
     write_count(t, "shadow_rays", m->shadow_rays);
+    write_counts(t, m);
     write_curve(t, m);
     cJSON *biases = glint_biases_names(m->biases);
     write_tree(t, "biases", biases);
@@ -256,6 +267,19 @@ static void read_curve(const struct glint_json *moment, struct glint_film_moment
     m->points = (uint32_t)count;
 }
 
+// Films of older versions have none.
+static void read_counts(const struct glint_json *moment, struct glint_film_moment *m)
+{
+    const struct glint_json at = glint_json_member(moment, "counts");
+    const char *known[GLINT_COUNTS + 1] = {NULL};
+    memcpy(known, glint_count_name, sizeof glint_count_name);
+    if (!at.value)
+        return;
+    glint_json_only(&at, known);
+    for (int i = 0; i < GLINT_COUNTS; i++)
+        read_count(&at, glint_count_name[i], &m->count[i]);
+}
+
 static void read_moment(const struct glint_json *root, struct glint_film_header *h)
 {
     struct glint_film_moment *m = &h->moment;
@@ -268,6 +292,7 @@ static void read_moment(const struct glint_json *root, struct glint_film_header 
     read_count(&at, "camera_rays", &m->camera_rays);
     read_count(&at, "bounce_rays", &m->bounce_rays);
     read_count(&at, "shadow_rays", &m->shadow_rays);
+    read_counts(&at, m);
     read_curve(&at, m);
     const uint32_t first = h->job ? h->job->sample_range[0] : 0;
     if (m->sample < first || m->sample + m->samples > GLINT_MAX_SAMPLES || m->target < m->sample)

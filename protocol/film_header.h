@@ -4,6 +4,7 @@
 #ifndef GLINT_PROTOCOL_FILM_HEADER_H
 #define GLINT_PROTOCOL_FILM_HEADER_H
 
+#include "counts.h"
 #include "film.h"
 
 #include <cjson/cJSON.h>
@@ -40,6 +41,7 @@ struct glint_film_moment {
     double worker_seconds;
     uint64_t camera_rays, bounce_rays, shadow_rays;
     uint32_t biases; // approximations that it was rendered under, of bias.h
+    uint64_t count[GLINT_COUNTS];
     uint32_t points;
     struct glint_convergence_point curve[GLINT_CURVE_POINTS];
 };

@@ -113,6 +113,7 @@ static void add_moment(struct glint_film_moment *sum, const struct glint_film_mo
     sum->camera_rays += m->camera_rays;
     sum->bounce_rays += m->bounce_rays;
     sum->shadow_rays += m->shadow_rays;
+    glint_counts_add(sum->count, m->count);
 }
 
 static void describe(glint_film_sum *s, const struct glint_film_part *part, size_t count)

@@ -4,6 +4,8 @@ noinst_LIBRARIES += libglint.a
 libglint_a_SOURCES = \
 	protocol/arena.c \
 	protocol/arena.h \
+	protocol/counts.c \
+	protocol/counts.h \
 	protocol/cryptomatte.c \
 	protocol/cryptomatte.h \
 	protocol/bias.c \

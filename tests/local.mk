@@ -112,6 +112,7 @@ STABILITY_TESTS = \
 	tests/stability/test_environment \
 	tests/stability/test_film \
 	tests/stability/test_geometry \
+	tests/stability/test_invariants \
 	tests/stability/test_light \
 	tests/stability/test_media \
 	tests/stability/test_rays \
@@ -152,6 +153,7 @@ tests_stability_test_demo_SOURCES = tests/stability/test_demo.c $(stable)
 tests_stability_test_environment_SOURCES = tests/stability/test_environment.c $(stable)
 tests_stability_test_film_SOURCES = tests/stability/test_film.c $(stable)
 tests_stability_test_geometry_SOURCES = tests/stability/test_geometry.c $(stable)
+tests_stability_test_invariants_SOURCES = tests/stability/test_invariants.c $(stable) $(things)
 tests_stability_test_light_SOURCES = tests/stability/test_light.c $(stable)
 tests_stability_test_media_SOURCES = tests/stability/test_media.c $(stable)
 tests_stability_test_rays_SOURCES = tests/stability/test_rays.c $(stable)
@@ -266,12 +268,14 @@ SCRIPT_TESTS = \
 	tests/render/test_cryptomatte_node.py \
 	tests/render/test_exr_readers.py \
 	tests/render/test_peers.py \
+	tests/stability/test_rows.py \
 	tests/unit/headers.sh \
 	tests/unit/import_corpora.py \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
-dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised \
+	tests/stability/matrix
 dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
 	tests/clients/blender_cryptomatte.py tests/clients/browser.py tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \
 	tests/http/contract_hooks.py tests/http/daemon.py tests/http/lasting.py tests/http/sandbox.py \
@@ -283,7 +287,8 @@ dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
 	tests/render/peers/cycles_render.py tests/render/peers/mitsuba_render.py \
 	tests/render/peers/reference.py tests/render/peers/references.sh \
 	tests/render/peers/scenes.py \
-	tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/tap.py
+	tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/stability/rows \
+	tests/stability/table.py tests/tap.py
 
 dist_check_SCRIPTS += tests/mutation/run
 dist_check_DATA += tests/mutation/faults.toml tests/mutation/filter.c tests/mutation/table.py

@@ -1,11 +1,11 @@
 #include "jobs/admit.h"
 
 #include "base/clock.h"
+#include "jobs/warn.h"
 #include "protocol/cryptomatte.h"
 
 #include <errno.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -60,17 +60,6 @@ static glint_status draw_id(char id[GLINT_JOB_ID_BYTES], struct glint_error *err
     return GLINT_OK;
 }
 
-static void warn(cJSON *warnings, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void warn(cJSON *warnings, const char *format, ...)
-{
-    char text[512];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    cJSON_AddItemToArray(warnings, cJSON_CreateString(text));
-}
-
 static void warn_of_clashes(cJSON *warnings, const char *layer, const char *const *name,
                             size_t count)
 {
@@ -79,11 +68,11 @@ static void warn_of_clashes(cJSON *warnings, const char *layer, const char *cons
     if (glint_cryptomatte_clashes(name, count, &clash, &clashes))
         return;
     for (size_t i = 0; i < clashes && i < MAX_CLASHES; i++)
-        warn(warnings, "the %s names \"%.100s\" and \"%.100s\" share one Cryptomatte ID", layer,
-             clash[i].a, clash[i].b);
+        glint_warn(warnings, "the %s names \"%.100s\" and \"%.100s\" share one Cryptomatte ID",
+                   layer, clash[i].a, clash[i].b);
     if (clashes > MAX_CLASHES)
-        warn(warnings, "%zu more pairs of %s names share a Cryptomatte ID", clashes - MAX_CLASHES,
-             layer);
+        glint_warn(warnings, "%zu more pairs of %s names share a Cryptomatte ID",
+                   clashes - MAX_CLASHES, layer);
     free(clash);
 }
 

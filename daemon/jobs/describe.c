@@ -1,6 +1,7 @@
 #include "jobs/describe.h"
 
 #include "base/clock.h"
+#include "jobs/invariants.h"
 #include "jobs/outlook.h"
 #include "protocol/problem.h"
 
@@ -112,21 +113,22 @@ static struct glint_render_state rendered(const struct moment *m)
     return r;
 }
 
-static void add_render(cJSON *object, const struct glint_entry *e, const struct moment *m)
+static void add_render(cJSON *object, const struct glint_entry *e, const struct moment *m,
+                       const struct glint_render_state *r)
 {
-    const struct glint_render_state r = rendered(m);
-    const bool bounded = r.target_samples && r.target_samples < GLINT_MAX_SAMPLES;
-    cJSON_AddNumberToObject(object, "samples", r.samples);
-    add_number(object, "target_samples", bounded ? r.target_samples : NAN);
-    add_number(object, "progress", progress(m, &r));
-    add_number(object, "error", r.estimate.error);
+    const bool bounded = r->target_samples && r->target_samples < GLINT_MAX_SAMPLES;
+    cJSON_AddNumberToObject(object, "samples", r->samples);
+    add_number(object, "target_samples", bounded ? r->target_samples : NAN);
+    add_number(object, "progress", progress(m, r));
+    add_number(object, "error", r->estimate.error);
     cJSON_AddItemToObject(object, "estimate",
-                          glint_outlook_describe(&r, e->job, m->seconds / m->worker_seconds,
+                          glint_outlook_describe(r, e->job, m->seconds / m->worker_seconds,
                                                  glint_state_ended(m->state)));
     add_number(object, "seconds", m->seconds);
-    add_number(object, "eta_seconds", eta(m, &r));
+    add_number(object, "eta_seconds", eta(m, r));
     add_number(object, "worker_seconds", m->worker_seconds);
-    add_rays(object, &r);
+    add_rays(object, r);
+    glint_invariants_add(object, r);
 }
 
 static cJSON *stop_of(const struct glint_job_stop *stop)
@@ -156,12 +158,14 @@ static void add_job(cJSON *object, const struct glint_entry *e, const struct mom
     cJSON_AddItemToObject(object, "job", job);
 }
 
-static void add_warnings(cJSON *object, const struct glint_entry *e, const struct moment *m)
+static void add_warnings(cJSON *object, const struct glint_entry *e, const struct moment *m,
+                         const struct glint_render_state *r)
 {
     cJSON *warnings = cJSON_Duplicate(e->warnings, true);
     for (size_t i = 0; i < sizeof m->trouble / sizeof *m->trouble; i++)
         if (m->trouble[i])
             cJSON_AddItemToArray(warnings, cJSON_CreateString(m->trouble[i]));
+    glint_invariants_warn(warnings, r);
     cJSON_AddItemToObject(object, "warnings", warnings);
 }
 
@@ -200,6 +204,7 @@ static cJSON *describe(const struct glint_entry *e, const struct moment *m)
     cJSON *object = cJSON_CreateObject();
     if (!object)
         return NULL;
+    const struct glint_render_state r = rendered(m);
     char plan[64];
     snprintf(plan, sizeof plan, "/v1/jobs/%s/plan", e->id);
     cJSON_AddStringToObject(object, "id", e->id);
@@ -212,13 +217,13 @@ static cJSON *describe(const struct glint_entry *e, const struct moment *m)
     cJSON_AddStringToObject(object, "state", glint_job_state_name(m->state));
     add_wait(object, m);
     cJSON_AddNumberToObject(object, "priority", m->priority);
-    add_render(object, e, m);
+    add_render(object, e, m, &r);
     add_checkpoint(object, m);
     cJSON_AddNumberToObject(object, "memory_bytes", (double)memory_of(e, m));
     cJSON_AddStringToObject(object, "plan", plan);
     if (m->state == GLINT_JOB_FAILED) // from then on nobody changes the problem
         cJSON_AddItemToObject(object, "problem", glint_problem_object(&e->problem, NULL, NULL));
-    add_warnings(object, e, m);
+    add_warnings(object, e, m, &r);
     cJSON_AddStringToObject(object, "created", e->created);
     add_job(object, e, m);
     return object;

@@ -101,8 +101,9 @@ struct glint_jobs_filter {
 };
 
 // {"id","name","client","request","scene","revision","state","waits_for","priority","samples",
-//  "target_samples","progress","error","estimate":{...},"seconds","eta_seconds","worker_seconds","checkpoint",
-//  "memory_bytes","rays":{...},"plan","problem","warnings","created","job":{...}} and
+//  "target_samples","progress","error","estimate":{...},"seconds","eta_seconds","worker_seconds",
+//  "checkpoint","memory_bytes","rays":{...},"invariants":{...},"plan","problem","warnings","created",
+//  "job":{...}} and
 // {"jobs": [...], "next": id or null} in order of submission; filter: NULL: all; next: what to go on
 // behind, when the limit has cut the list. Numbers not known yet are null; "problem" is there when
 // the job has failed; "request" where the submission had one.

@@ -32,6 +32,8 @@ char *glint_job_rendered_write(const struct glint_render_state *s)
     add(o, "camera_rays", (double)s->camera_rays);
     add(o, "bounce_rays", (double)s->bounce_rays);
     add(o, "shadow_rays", (double)s->shadow_rays);
+    for (int i = 0; i < GLINT_COUNTS; i++)
+        add(o, glint_count_name[i], (double)s->count[i]);
     char *text = cJSON_PrintUnformatted(o);
     cJSON_Delete(o);
     return text;
@@ -52,6 +54,8 @@ void glint_job_rendered_read(struct glint_render_state *out, const char *text)
                                        .shadow_rays = count(o, "shadow_rays")};
     glint_outlook_read(out, o);
     out->target_samples = (uint32_t)fmin(count(o, "target_samples"), UINT32_MAX);
+    for (int i = 0; i < GLINT_COUNTS; i++)
+        out->count[i] = count(o, glint_count_name[i]);
     cJSON_Delete(o);
 }
 

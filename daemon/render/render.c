@@ -157,6 +157,13 @@ static double add_seconds(double sum[GLINT_PASSES], const struct glint_wave_stat
     return all;
 }
 
+static void add_counts(uint64_t sum[GLINT_COUNTS], const struct glint_wave_stats *now,
+                       const struct glint_wave_stats *before)
+{
+    for (int i = 0; i < GLINT_COUNTS; i++)
+        sum[i] += now->count[i] - before->count[i];
+}
+
 // captures: those begun when the slice's pixels were about to change. What has begun since has
 // them.
 static void add_stats(struct glint_render *r, const struct glint_wave_stats *now,
@@ -167,12 +174,14 @@ static void add_stats(struct glint_render *r, const struct glint_wave_stats *now
     r->stats.camera_rays += now->camera_rays - before->camera_rays;
     r->stats.bounce_rays += now->bounce_rays - before->bounce_rays;
     r->stats.shadow_rays += now->shadow_rays - before->shadow_rays;
+    add_counts(r->stats.count, now, before);
     if (r->late && captures < r->captures) {
         struct glint_film_moment *m = &r->late->moment;
         m->worker_seconds += add_seconds(r->late->seconds, now, before);
         m->camera_rays += now->camera_rays - before->camera_rays;
         m->bounce_rays += now->bounce_rays - before->bounce_rays;
         m->shadow_rays += now->shadow_rays - before->shadow_rays;
+        add_counts(m->count, now, before);
     }
     pthread_mutex_unlock(&r->mutex);
 }
@@ -266,6 +275,7 @@ void glint_render_moment(const glint_render *r, struct glint_film_moment *out)
     out->bounce_rays = r->stats.bounce_rays;
     out->shadow_rays = r->stats.shadow_rays;
     out->biases = r->view ? r->view->plan.biases : glint_archive_biases(r->archive);
+    memcpy(out->count, r->stats.count, sizeof out->count);
     out->points = r->points;
     memcpy(out->curve, r->curve, sizeof out->curve);
 }
@@ -292,6 +302,7 @@ void glint_render_state(const glint_render *render, struct glint_render_state *o
                                        .camera_rays = now.camera_rays,
                                        .bounce_rays = now.bounce_rays,
                                        .shadow_rays = now.shadow_rays};
+    memcpy(out->count, now.count, sizeof out->count);
 }
 
 size_t glint_render_convergence(const glint_render *render, struct glint_convergence_point *out,

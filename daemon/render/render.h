@@ -16,6 +16,7 @@
 #define GLINT_RENDER_RENDER_H
 
 #include "device/device.h"
+#include "protocol/counts.h"
 #include "protocol/film_header.h"
 #include "protocol/frame.h"
 #include "protocol/job.h"
@@ -95,6 +96,7 @@ struct glint_render_state {
     double worker_seconds;          // spent by workers
     uint32_t biases;                // approximations that it runs under, of protocol/bias.h
     uint64_t camera_rays, bounce_rays, shadow_rays;
+    uint64_t count[GLINT_COUNTS];
 };
 #define GLINT_NOTHING_RENDERED                               \
     (struct glint_render_state)                              \

@@ -93,6 +93,7 @@ static void take_moment(glint_render *r, const struct glint_film_header *h)
     r->stats.camera_rays = m->camera_rays;
     r->stats.bounce_rays = m->bounce_rays;
     r->stats.shadow_rays = m->shadow_rays;
+    memcpy(r->stats.count, m->count, sizeof r->stats.count);
     for (int p = 0; p < GLINT_PASSES; p++) {
         const cJSON *seconds = cJSON_GetObjectItemCaseSensitive(h->seconds, glint_pass_name[p]);
         r->stats.seconds[p] = cJSON_IsNumber(seconds) ? seconds->valuedouble : 0.0;

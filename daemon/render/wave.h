@@ -6,6 +6,7 @@
 #define GLINT_RENDER_WAVE_H
 
 #include "kernels/gk_frame.h"
+#include "protocol/counts.h"
 #include "render/film.h"
 #include "render/plan.h"
 #include "scene/geometry.h"
@@ -33,7 +34,7 @@ struct glint_wave_job {
 struct glint_wave_stats {
     double seconds[GLINT_PASSES];
     uint64_t camera_rays, bounce_rays, shadow_rays;
-    uint64_t matte_excess; // units of coverage that weights above one were cut by
+    uint64_t count[GLINT_COUNTS]; // of slices that came to their end
 };
 
 typedef struct glint_wave glint_wave;

@@ -31,6 +31,7 @@ struct glint_run {
     uint32_t holding; // the first paths, which have coverage to give away
     double mark;      // when the last pass ended
     bool compiling;   // over no item, in the largest grid there will be
+    uint64_t lost;    // units of coverage in the block that have no slot
 };
 
 #define GLINT_ARG_BUFFER(b) \
@@ -56,6 +57,11 @@ glint_status glint_run_tiles(struct glint_run *run, glint_visit_tile *visit);
 glint_status glint_carried_begin(struct glint_run *run);
 glint_status glint_carried_deposit(struct glint_run *run); // of the vertices just shaded
 glint_status glint_carried_end(struct glint_run *run);
+
+// Counts what the samples just traced have against them.
+void glint_run_count_samples(struct glint_run *run);
+// Units of coverage that have found no slot in the tiles of the block.
+uint64_t glint_run_lost(struct glint_run *run);
 
 // The kernels that deposit, over `n` pixels of one tile whose first lane is `lane`, or `n` paths.
 glint_status glint_run_deposit_seen(struct glint_run *run, const struct glint_film_tile *at,

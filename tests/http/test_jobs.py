@@ -338,6 +338,9 @@ def test_the_plan_and_the_curve_are_told():
         curve = daemon.get(f"/v1/jobs/{job}/convergence").json()["curve"]
         assert [p["samples"] for p in curve] == sorted({p["samples"] for p in curve})
         assert curve[-1]["samples"] <= 16 and curve[-1]["rays"] > 0
+        told = daemon.job(job)["invariants"]
+        assert told["sound"] and not any(told["rejected"].values())
+        assert told["bright"] == told["coverage_lost"] == told["coverage_clamped"] == 0
 
 
 def test_mattes_are_listed_drawn_and_picked():

@@ -117,6 +117,7 @@ static void same_states(glint_render *a, glint_render *b)
     assert_int_equal(x.camera_rays, y.camera_rays);
     assert_int_equal(x.bounce_rays, y.bounce_rays);
     assert_int_equal(x.shadow_rays, y.shadow_rays);
+    assert_memory_equal(x.count, y.count, sizeof x.count);
     assert_int_equal(glint_render_complete(a), glint_render_complete(b));
 }
 

@@ -113,10 +113,16 @@ void offline_finish(struct offline *o)
 
 struct offline offline_crew;
 
+uint32_t offline_workers(void)
+{
+    const char *wanted = getenv("GLINT_TEST_WORKERS");
+    return wanted && atoi(wanted) > 0 ? (uint32_t)atoi(wanted) : 2;
+}
+
 int offline_crew_start(void **state)
 {
     (void)state;
-    offline_start(&offline_crew, 2);
+    offline_start(&offline_crew, offline_workers());
     return 0;
 }
 

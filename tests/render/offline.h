@@ -15,7 +15,10 @@ struct offline {
 void offline_start(struct offline *o, uint32_t threads);
 void offline_finish(struct offline *o);
 
-// Those of a test program, two workers, as the fixtures of a cmocka group.
+// Workers of a test program: $GLINT_TEST_WORKERS, by default two.
+uint32_t offline_workers(void);
+
+// Importer and devices of a test program, as the fixtures of a cmocka group.
 extern struct offline offline_crew;
 int offline_crew_start(void **state);
 int offline_crew_finish(void **state);

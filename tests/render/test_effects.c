@@ -301,7 +301,7 @@ static void the_image_does_not_depend_on_mattes_or_aovs(void **state)
 static int start(void **state)
 {
     (void)state;
-    offline_start(&o, 2);
+    offline_start(&o, offline_workers());
     return 0;
 }
 

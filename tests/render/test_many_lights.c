@@ -358,7 +358,7 @@ static void error_is_near_that_of_the_true_distribution(void **state)
 static int start(void **state)
 {
     (void)state;
-    offline_start(&o, 2);
+    offline_start(&o, offline_workers());
     char *text = room_text();
     room = offline_load_text(&o, text);
     free(text);

@@ -27,7 +27,7 @@ struct offline things_crew;
 int things_start(void **state)
 {
     (void)state;
-    offline_start(&things_crew, 2);
+    offline_start(&things_crew, offline_workers());
     return 0;
 }
 

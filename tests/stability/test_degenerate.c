@@ -178,7 +178,7 @@ static void picture_after_all_those_is_that_of_a_fresh_process(void **state)
 static void render_in_child(int out)
 {
     struct offline own;
-    offline_start(&own, 2);
+    offline_start(&own, offline_workers());
     picture(&own, fresh);
     offline_finish(&own);
     _exit(write(out, fresh, sizeof fresh) == (ssize_t)sizeof fresh ? 0 : 1);
@@ -201,7 +201,7 @@ static int start(void **state)
         got += (size_t)n;
     close(ends[0]);
     waitpid(child, &status, 0);
-    offline_start(&o, 2);
+    offline_start(&o, offline_workers());
     return got == sizeof fresh && status == 0 ? 0 : -1;
 }
 

@@ -73,7 +73,7 @@ static void its_kernels_are_the_first_to_be_foreseen(void **state)
 static int start(void **state)
 {
     (void)state;
-    offline_start(&o, 2);
+    offline_start(&o, offline_workers());
     char *text = demo_text();
     demo = offline_load_text(&o, text);
     free(text);

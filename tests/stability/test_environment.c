@@ -187,7 +187,7 @@ static void matched_body_is_invisible_before_any_sky(void **state)
 static int start(void **state)
 {
     (void)state;
-    offline_start(&o, 2);
+    offline_start(&o, offline_workers());
     for (int i = 0; i < HEIGHT * WIDTH * 3; i++)
         sky[i] = 0.5f * (float)(1 + i / 3 % 3);
     for (int k = 0; k < 3; k++)

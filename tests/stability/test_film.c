@@ -275,7 +275,7 @@ static void order_of_slices_and_returned_ones_change_no_bit(void **state)
 
 static int start(void **state)
 {
-    offline_start(&o, 2);
+    offline_start(&o, offline_workers());
     *state = stable_text("%s", scene_text);
     glint_worker_enter(glint_devices_spare(o.devices));
     return 0;

@@ -78,6 +78,7 @@ static struct glint_film_header example_header(struct glint_job *job)
                    .estimate = {0.25, 0.125, 0.5, 0.375, NAN},
                    .worker_seconds = 1.5,
                    .camera_rays = 123456789012,
+                   .count = {5, 4, 3, 2, 1, 77, 9007199254740992},
                    .points = 2,
                    .curve = {{2, 0.5, 0.4, 0.1, 7}, {4, 0.75, NAN, NAN, 9}}},
         .seconds = cJSON_Parse("{\"a pass\":0.125}"),
@@ -132,6 +133,7 @@ static void check_header(const struct glint_film_header *h)
 {
     const struct glint_film_moment *m = &h->moment;
     float to_camera[16], to_ndc[16];
+    static const uint64_t counts[GLINT_COUNTS] = {5, 4, 3, 2, 1, 77, 9007199254740992};
     for (int i = 0; i < 16; i++) {
         to_camera[i] = (float)i / 3;
         to_ndc[i] = i ? -INFINITY : 1e-30f;
@@ -151,6 +153,7 @@ static void check_header(const struct glint_film_header *h)
                 m->estimate.linear == 0.5 && m->estimate.tone_mapped == 0.375 &&
                 isnan(m->estimate.tail) && m->worker_seconds == 1.5 &&
                 m->camera_rays == 123456789012);
+    assert_memory_equal(m->count, counts, sizeof m->count);
     assert_true(m->points == 2 && m->curve[0].error == 0.4 && isnan(m->curve[1].error));
     assert_non_null(cJSON_GetObjectItem(h->seconds, "a pass"));
     assert_non_null(cJSON_GetObjectItem(h->plan, "effects"));
@@ -440,18 +443,23 @@ static void every_fault_of_a_header_is_named(void **state)
                                         "/moment/samples",
                                         "/moment/curve/0/samples",
                                         "/moment/curve/0/rays",
+                                        "/moment/counts/hats",
+                                        "/moment/counts/nested",
                                         "/mattes/0/1",
                                         "/mattes/1",
                                         "/plan",
                                         "/hats"};
     assert_faults("{}", missing, sizeof missing / sizeof *missing);
-    assert_faults("{\"software\":7,\"revision\":\"\",\"job\":{\"resolution\":[0,1]},"
-                  "\"planes\":{\"aovs\":1,\"flow\":false,\"coverage\":true},"
-                  "\"world_to_camera\":[1],\"world_to_ndc\":[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0],"
-                  "\"moment\":{\"sample\":0,\"samples\":17,\"camera_rays\":0,\"bounce_rays\":0,"
-                  "\"shadow_rays\":0,\"curve\":[{\"samples\":0,\"seconds\":1}]},"
-                  "\"mattes\":[[\"a\",2,\"b\"],[\"a\"]],\"plan\":4,\"hats\":1}",
-                  wrong, sizeof wrong / sizeof *wrong);
+    assert_faults(
+        "{\"software\":7,\"revision\":\"\",\"job\":{\"resolution\":[0,1]},"
+        "\"planes\":{\"aovs\":1,\"flow\":false,\"coverage\":true},"
+        "\"world_to_camera\":[1],\"world_to_ndc\":[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0],"
+        "\"moment\":{\"sample\":0,\"samples\":17,\"camera_rays\":0,\"bounce_rays\":0,"
+        "\"shadow_rays\":0,\"counts\":{\"hats\":1,\"not_a_number\":0,"
+        "\"infinite\":0,\"negative\":0,\"nested\":-1,\"bright\":0,"
+        "\"coverage_clamped\":0,\"coverage_lost\":0},\"curve\":[{\"samples\":0,\"seconds\":1}]},"
+        "\"mattes\":[[\"a\",2,\"b\"],[\"a\"]],\"plan\":4,\"hats\":1}",
+        wrong, sizeof wrong / sizeof *wrong);
 }
 
 static void packing_leaves_out_what_is_zero(void **state)

@@ -82,6 +82,7 @@ static void the_description_has_the_members_of_the_protocol(void **state)
                                          "eta_seconds",
                                          "worker_seconds",
                                          "rays",
+                                         "invariants",
                                          "plan",
                                          "warnings",
                                          "created",

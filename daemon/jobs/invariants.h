@@ -1,0 +1,16 @@
+// invariants.h - what a job has counted against the rules that hold for every sample, in its
+// resource.
+//
+// Thread-safety: reentrant.
+#ifndef GLINT_JOBS_INVARIANTS_H
+#define GLINT_JOBS_INVARIANTS_H
+
+#include "render/render.h"
+
+// Adds the member "invariants".
+void glint_invariants_add(cJSON *object, const struct glint_render_state *state);
+
+// Adds to an array of strings what its owner should know of.
+void glint_invariants_warn(cJSON *warnings, const struct glint_render_state *state);
+
+#endif
