@@ -275,12 +275,12 @@ SCRIPT_TESTS = \
 
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
 dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised \
-	tests/stability/matrix
+	tests/stability/matrix tests/stability/nightly
 dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
 	tests/clients/blender_cryptomatte.py tests/clients/browser.py tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \
 	tests/http/contract_hooks.py tests/http/daemon.py tests/http/lasting.py tests/http/sandbox.py \
 	tests/http/rendering_watch.py tests/http/soak_plot.py \
-	tests/kernel/check.h tests/kernel/probe.cl tests/kernel/density.h tests/kernel/surface.h \
+	tests/kernel/check.h tests/odds.h tests/kernel/probe.cl tests/kernel/density.h tests/kernel/surface.h \
 	tests/render/cryptomatte.py tests/render/cryptomatte_node.py \
 	tests/render/peers/balls-white.json tests/render/peers/balls.json \
 	tests/render/peers/compare.py tests/render/peers/cornell.json \
@@ -288,7 +288,7 @@ dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
 	tests/render/peers/reference.py tests/render/peers/references.sh \
 	tests/render/peers/scenes.py \
 	tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/stability/rows \
-	tests/stability/table.py tests/tap.py
+	tests/stability/programs.py tests/stability/table.py tests/tap.py
 
 dist_check_SCRIPTS += tests/mutation/run
 dist_check_DATA += tests/mutation/faults.toml tests/mutation/filter.c tests/mutation/table.py
@@ -329,6 +329,11 @@ ci-check:
 	p=`count 'PASS\|XFAIL'`; f=`count 'FAIL\|XPASS\|ERROR'`; s=`count SKIP`; \
 	echo "$$p passed, $$f failed, $$s skipped"; exit $$rc
 .PHONY: ci-check
+
+# Statistical tests with fresh seeds.
+check-nightly: $(check_PROGRAMS)
+	GLINT_BUILD='$(abs_top_builddir)' PYTHONDONTWRITEBYTECODE=1 $(PYTHON) $(srcdir)/tests/stability/nightly
+.PHONY: check-nightly
 
 # Compiled kernels, kept from run to run.
 clean-local:

@@ -3,6 +3,7 @@
 #define GLINT_TESTS_KERNEL_CHECK_H
 
 #include "kernels/gk_sampler.h"
+#include "tests/odds.h"
 
 #include <float.h>
 #include <setjmp.h>
@@ -12,10 +13,8 @@
 
 #include <cmocka.h>
 
-// One statistical test fails by chance once in 10^6 (two-sided, normal).
-#define CHECK_Z 4.892
-// The same, one-sided.
-#define CHECK_Z_ONE_SIDED 4.753
+#define CHECK_Z ODDS_Z
+#define CHECK_Z_ONE_SIDED ODDS_Z_ONE_SIDED
 
 // Fails unless |value| <= bound; NaN fails.
 #define assert_within(value, bound)                                             \

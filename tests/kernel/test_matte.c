@@ -271,7 +271,7 @@ static void mattes_are_unbiased(gk_u32 policy)
     for (int k = 0; k < CROWD; k++)
         all += share[k] = 1.0 / (k + 1);
     double sum[4] = {0}, square[4] = {0};
-    uint64_t seed = 99 + policy;
+    uint64_t seed = odds_seed(99 + policy);
     for (int round = 0; round < ROUNDS; round++) {
         gk_u64 table[SLOTS] = {0};
         for (int i = 0; i < TAKES; i++) {
@@ -297,7 +297,7 @@ static void mattes_are_unbiased(gk_u32 policy)
             want += 1000.0 * TAKES * share[10 * part + k] / all;
         const double mean = sum[part] / ROUNDS;
         const double sd = sqrt((square[part] / ROUNDS - mean * mean) / (ROUNDS - 1));
-        assert_within((mean - want) / sd, CHECK_Z);
+        assert_odds(mean - want, sd, 0);
     }
 }
 
@@ -335,7 +335,7 @@ static void start_slots_are_spread(void **state)
     }
     for (int i = 0; i < SLOTS; i++)
         probability[i] = 1.0 / SLOTS;
-    assert_true(check_chi2(count, probability, SLOTS, 12000) < CHECK_Z_ONE_SIDED);
+    assert_true(check_chi2(count, probability, SLOTS, 12000) < ODDS_Z_ONE_SIDED);
     for (gk_u32 slots = 1; slots <= MAX_SLOTS; slots++)
         assert_true(gk_matte_start(GK_MATTE_MAX_KEY, slots) < slots);
 }

@@ -63,6 +63,12 @@ static void means_are_within_half_a_stratum(void **state)
     }
 }
 
+// The seed of a picture.
+static gk_u32 fresh(gk_u32 fixed)
+{
+    return (gk_u32)odds_seed(fixed);
+}
+
 // Over scrambles one and the same element is uniform: 10^6 pixels, 32 x 32 cells.
 static void each_element_is_uniform_over_pixels(void **state)
 {
@@ -74,13 +80,13 @@ static void each_element_is_uniform_over_pixels(void **state)
         memset(count, 0, sizeof count);
         for (gk_u32 i = 0; i < 1000000; i++) {
             gk_u32 u, v;
-            const gk_u32 base = gk_sampler_base(i % 1000, i / 1000, 4, (gk_u32)e & 1);
+            const gk_u32 base = gk_sampler_base(i % 1000, i / 1000, fresh(4), (gk_u32)e & 1);
             gk_sample_2d_bits(base, element[e], 8, &u, &v);
             count[u >> 27 << 5 | v >> 27]++;
         }
         for (size_t c = 0; c < 1024; c++)
             probability[c] = 1.0 / 1024;
-        assert_within(check_chi2(count, probability, 1024, 1e6), CHECK_Z);
+        assert_odds_chi2(check_chi2(count, probability, 1024, 1e6));
     }
 }
 
@@ -91,14 +97,15 @@ static void all_32_bits_are_fair(void **state)
     uint32_t ones[2][32] = {{0}};
     for (gk_u32 i = 0; i < N; i++) {
         gk_u32 value[2];
-        gk_sample_2d_bits(gk_sampler_base(i % 500, i / 500, 1, 0), i & 15, 9, &value[0], &value[1]);
+        gk_sample_2d_bits(gk_sampler_base(i % 500, i / 500, fresh(1), 0), i & 15, 9, &value[0],
+                          &value[1]);
         for (int c = 0; c < 2; c++)
             for (int b = 0; b < 32; b++)
                 ones[c][b] += value[c] >> b & 1;
     }
     for (int c = 0; c < 2; c++)
         for (int b = 0; b < 32; b++)
-            assert_within((ones[c][b] - 0.5 * N) / (0.5 * sqrt(N)), CHECK_Z);
+            assert_odds(ones[c][b] - 0.5 * N, 0.5 * sqrt(N), 0);
 }
 
 static void values_stay_below_one(void **state)
@@ -146,8 +153,8 @@ static double shifted_correlation(struct shift s, int d, int e)
     static double a[N], b[N];
     for (gk_u32 i = 0; i < N; i++) {
         const gk_u32 x = i % 100 + 50, y = i / 100 + 20;
-        a[i] = dimension(x, y, 5, 0, 2, d);
-        b[i] = dimension(x + s.dx, y + s.dy, 5 + s.dseed, s.dpart, 2 + s.dindex, e);
+        a[i] = dimension(x, y, fresh(5), 0, 2, d);
+        b[i] = dimension(x + s.dx, y + s.dy, fresh(5) + s.dseed, s.dpart, 2 + s.dindex, e);
     }
     return check_correlation(a, b, N);
 }
@@ -161,7 +168,7 @@ static void neighbours_halves_and_seeds_are_uncorrelated(void **state)
     };
     for (size_t s = 0; s < sizeof shift / sizeof *shift; s++)
         for (int d = 0; d < DIMENSIONS; d++)
-            assert_within(shifted_correlation(shift[s], d, d), 4.9 / sqrt(10000));
+            assert_odds(shifted_correlation(shift[s], d, d), 1 / sqrt(10000), 0);
 }
 
 static void dimensions_are_uncorrelated(void **state)
@@ -170,7 +177,7 @@ static void dimensions_are_uncorrelated(void **state)
     const struct shift none = {0, 0, 0, 0, 0};
     for (int d = 0; d < DIMENSIONS; d++)
         for (int e = 0; e < d; e++)
-            assert_within(shifted_correlation(none, d, e), 4.9 / sqrt(10000));
+            assert_odds(shifted_correlation(none, d, e), 1 / sqrt(10000), 0);
 }
 
 // Mean over n elements of the part of a disc that a pair falls in, or of a smooth bump.
@@ -221,12 +228,12 @@ static void errors_of_the_halves_are_independent(void **state)
     enum { N = 10000 };
     static double a[N], b[N], right[N];
     for (gk_u32 i = 0; i < N; i++) {
-        a[i] = estimate(gk_sampler_base(i % 100, i / 100, 0, 0), 11, 16, 0);
-        b[i] = estimate(gk_sampler_base(i % 100, i / 100, 0, 1), 11, 16, 0);
-        right[i] = estimate(gk_sampler_base(i % 100 + 1, i / 100, 0, 0), 11, 16, 0);
+        a[i] = estimate(gk_sampler_base(i % 100, i / 100, fresh(0), 0), 11, 16, 0);
+        b[i] = estimate(gk_sampler_base(i % 100, i / 100, fresh(0), 1), 11, 16, 0);
+        right[i] = estimate(gk_sampler_base(i % 100 + 1, i / 100, fresh(0), 0), 11, 16, 0);
     }
-    assert_within(check_correlation(a, b, N), 4.9 / sqrt(N));
-    assert_within(check_correlation(a, right, N), 4.9 / sqrt(N));
+    assert_odds(check_correlation(a, b, N), 1 / sqrt(N), 0);
+    assert_odds(check_correlation(a, right, N), 1 / sqrt(N), 0);
 }
 
 // Pairs are padded: a 4-D product over two of them is unbiased. Mean of (u - 1/2)(u' - 1/2) over
@@ -238,13 +245,13 @@ static void pairs_are_padded_independently(void **state)
     for (gk_u32 pair = 8; pair < 24; pair++) {
         double sum = 0;
         for (gk_u32 i = 0; i < PIXELS * POINTS; i++) {
-            const gk_u32 base = gk_sampler_base(i / POINTS, 8, 2, 0);
+            const gk_u32 base = gk_sampler_base(i / POINTS, 8, fresh(2), 0);
             gk_f32 u, w, v;
             gk_sample_2d(base, i % POINTS, pair, &u, &v);
             gk_sample_2d(base, i % POINTS, pair + 1, &w, &v);
             sum += (u - 0.5) * (w - 0.5);
         }
-        assert_within(sum / sqrt((double)PIXELS * POINTS / 144), CHECK_Z);
+        assert_odds(sum, sqrt((double)PIXELS * POINTS / 144), 0);
     }
 }
 

@@ -1,5 +1,7 @@
 #include "tests/render/offline.h"
 
+#include "tests/odds.h"
+
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -94,6 +96,8 @@ struct glint_job *offline_job(const char *text)
     struct glint_job *job = NULL;
     if (glint_job_parse(&job, text, strlen(text), &err))
         offline_die(text, &err);
+    job->seed = (uint32_t)odds_seed(job->seed);
+    job->stop.samples = odds_samples(job->stop.samples);
     return job;
 }
 

@@ -2,6 +2,7 @@
 #ifndef GLINT_TESTS_STABLE_H
 #define GLINT_TESTS_STABLE_H
 
+#include "tests/odds.h"
 #include "tests/render/offline.h"
 
 #include <setjmp.h>

@@ -84,7 +84,7 @@ static struct stable_mean plane_under_sky(double turn, const char *extra, const 
 static void assert_radiance(struct stable_mean seen, double want)
 {
     print_message("# %.4f, expected %.4f, standard error %.4f\n", seen.mean, want, seen.error);
-    assert_float_equal(seen.mean, want, 4.9 * seen.error + 2e-4 * want);
+    assert_odds(seen.mean - want, seen.error, 2e-4 * want);
     assert_true(seen.error < 0.01 * want); // importance sampling: a hundredth after 64 samples
 }
 

@@ -24,8 +24,7 @@ static struct stable_mean mean_of(char *scene, const char *job)
 // |z| < 4.892: a false alarm in 10^6.
 static void assert_mean(struct stable_mean m, double expected, double slack)
 {
-    if (fabs(m.mean - expected) > 4.892 * m.error + slack)
-        fail_msg("%.6f, expected %.6f, error %.6f", m.mean, expected, m.error);
+    assert_odds(m.mean - expected, m.error, slack);
 }
 
 // ---- media

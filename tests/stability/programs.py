@@ -1,0 +1,43 @@
+"""programs.py - runs a test program of a build tree and reads what came of each of its tests."""
+import os
+import subprocess
+import tempfile
+import xml.etree.ElementTree as xml
+
+import tap
+
+LIMIT = 1800  # seconds until a program counts as hung
+
+
+def _environment(build, workers, results, more):
+    suppressions = tap.source("tests", "sanitizers")
+    return {**os.environ, "top_srcdir": tap.source(), "GLINT_BUILD": build,
+            "XDG_CACHE_HOME": os.path.join(build, "tests", "cache"), "GLINT_FORESEE": "no",
+            "GLINT_TEST_WORKERS": workers,
+            "LSAN_OPTIONS": f"suppressions={suppressions}/lsan.supp:print_suppressions=0",
+            "ASAN_OPTIONS": "intercept_tls_get_addr=0",
+            "CMOCKA_MESSAGE_OUTPUT": "XML", "CMOCKA_XML_FILE": results, **more}
+
+
+def _outcome(case):
+    for tag, word in (("failure", "FAILED"), ("error", "FAILED"), ("skipped", "skipped")):
+        if case.find(tag) is not None:
+            return word
+    return "holds"
+
+
+def run(program, build, workers, more):
+    """{claim: (outcome, seconds)} of a test program; empty where it has left no results. more: of the
+    environment."""
+    with tempfile.TemporaryDirectory() as scratch:
+        results = os.path.join(scratch, "results.xml")
+        done = subprocess.run([os.path.join(build, "tests", program)], cwd=build, timeout=LIMIT,
+                              env=_environment(build, workers, results, more), check=False,
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            cases = xml.parse(results).getroot().iter("testcase")
+        except (OSError, xml.ParseError):
+            return {}
+        found = {case.get("name"): (_outcome(case), float(case.get("time"))) for case in cases}
+    failed = any(word == "FAILED" for word, _ in found.values())
+    return found if failed or done.returncode in (0, 77) else {}
