@@ -95,7 +95,7 @@ static void count_excess(struct glint_run *r)
     const uint32_t *excess = (const uint32_t *)glint_buffer_host(r->wave->columns) +
                              (size_t)GK_COL_EXCESS * GLINT_WAVE_STRIDE;
     for (uint32_t i = 0; i < r->holding; i++)
-        r->wave->stats.count[GLINT_COUNT_CLAMPED] += excess[i];
+        r->clamped += excess[i];
 }
 
 glint_status glint_carried_deposit(struct glint_run *r)

@@ -260,6 +260,7 @@ glint_status glint_wave_run(glint_wave *wave, glint_worker *worker,
                           0,
                           glint_now(),
                           false,
+                          0,
                           0};
     const uint64_t lost = glint_run_lost(&r);
     glint_status st = glint_carried_begin(&r);
@@ -271,6 +272,7 @@ glint_status glint_wave_run(glint_wave *wave, glint_worker *worker,
         glint_run_count_samples(&r);
     if (!st)
         st = glint_run_tiles(&r, accumulate_tile);
+    wave->stats.count[GLINT_COUNT_CLAMPED] += st ? 0 : r.clamped;
     wave->stats.count[GLINT_COUNT_LOST] += st ? 0 : glint_run_lost(&r) - lost;
     return st;
 }
@@ -306,9 +308,13 @@ glint_status glint_wave_compile(glint_devices *devices, const struct glint_wave_
     glint_status st = glint_wave_create(&wave, devices, err);
     if (st)
         return st;
-    struct glint_run r = {
-        wave, glint_devices_spare(devices), job, &nothing, NULL, err, 0, 0, 0, 0, glint_now(), true,
-        0};
+    struct glint_run r = {wave,        glint_devices_spare(devices),
+                          job,         &nothing,
+                          NULL,        err,
+                          0,           0,
+                          0,           0,
+                          glint_now(), true,
+                          0,           0};
     pthread_mutex_lock(&one_at_a_time);
     st = launch_all(&r);
     pthread_mutex_unlock(&one_at_a_time);

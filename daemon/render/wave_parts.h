@@ -32,6 +32,7 @@ struct glint_run {
     double mark;      // when the last pass ended
     bool compiling;   // over no item, in the largest grid there will be
     uint64_t lost;    // units of coverage in the block that have no slot
+    uint64_t clamped; // units that weights above one were cut by
 };
 
 #define GLINT_ARG_BUFFER(b) \
