@@ -1,6 +1,5 @@
 // film.cl - one sample of every pixel of one tile goes into the film.
-#include "kernels/gk_film.h"
-#include "kernels/gk_wave.h"
+#include "kernels/gk_radiance.h"
 
 // One item per pixel. lane: that of the tile's first pixel; film: planes of the tile, from `offset`
 // words on; `half_index` 0 or 1.
@@ -17,9 +16,10 @@ __kernel void accumulate_colour(const __global float *restrict wave, const gk_u3
     __global float *tile = film + offset;
     __global float *colour =
         tile + (GK_PLANE_COLOUR + half_index * 3u * GK_SUM_PLANES) * GK_TILE_PIXELS;
-    gk_film_add(colour, i, sound ? r : 0.0f);
-    gk_film_add(colour + GK_SUM_PLANES * GK_TILE_PIXELS, i, sound ? g : 0.0f);
-    gk_film_add(colour + 2 * GK_SUM_PLANES * GK_TILE_PIXELS, i, sound ? b : 0.0f);
+    const gk_u32 sum = GK_SUM_PLANES * GK_TILE_PIXELS;
+    gk_radiance_take(wave, stride, lane + i, 0u, sound, colour, i);
+    gk_radiance_take(wave, stride, lane + i, 1u, sound, colour + sum, i);
+    gk_radiance_take(wave, stride, lane + i, 2u, sound, colour + 2u * sum, i);
     __global gk_u32 *hits = (__global gk_u32 *)tile + GK_PLANE_HITS * GK_TILE_PIXELS;
     __global gk_u32 *rejected = (__global gk_u32 *)tile + GK_PLANE_REJECTED * GK_TILE_PIXELS;
     hits[i] += GK_LOAD_U32(GK_COL_KEY, lane + i) != GK_MATTE_BACKGROUND ? 1u : 0u;

@@ -1,6 +1,7 @@
 // generate.cl - camera rays of a wave.
 #include "kernels/gk_camera.h"
 #include "kernels/gk_held.h"
+#include "kernels/gk_radiance.h"
 #include "kernels/gk_scene.h"
 
 // One item per lane. Lanes outside the region, or whose pixel has had the sample, get no ray.
@@ -48,9 +49,9 @@ __kernel void generate_camera_rays(__global float *restrict wave, const gk_u32 s
     GK_STORE_U32(GK_COL_DEPTH, i, 0u);
     GK_STORE_U32(GK_COL_GEOMETRY, i, GK_NONE);
     GK_STORE_U32(GK_COL_INSTANCE, i, GK_NONE);
-    GK_STORE(GK_COL_LR, i, 0.0f);
-    GK_STORE(GK_COL_LG, i, 0.0f);
-    GK_STORE(GK_COL_LB, i, 0.0f);
+    gk_radiance_begin(wave, stride, i, 0u);
+    gk_radiance_begin(wave, stride, i, 1u);
+    gk_radiance_begin(wave, stride, i, 2u);
     GK_STORE_U32(GK_COL_KEY, i, GK_MATTE_BACKGROUND);
     // Films keep pixels outside the region too: as empty ones, whatever the lanes held before.
 #ifdef GK_AOVS

@@ -92,7 +92,11 @@
 #define GK_COL_DEPOSIT1 69
 #define GK_COL_AMOUNT1 70
 #define GK_COL_EXCESS 71 // units that weights above one were cut by
-#define GK_COLUMNS 72
+// What rounding took from GK_COL_LR to GK_COL_LB, under GK_FILM_FP64.
+#define GK_COL_LR_REST 72
+#define GK_COL_LG_REST 73
+#define GK_COL_LB_REST 74
+#define GK_COLUMNS 75
 
 // Bits of GK_COL_WAITS beside the slot key.
 #define GK_WAITS_DIRECT 0x80000000u  // seen directly, or by deltas alone

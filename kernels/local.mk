@@ -25,6 +25,7 @@ kernel_headers = \
 	kernels/gk_medium.h \
 	kernels/gk_sampler.h \
 	kernels/gk_pair.h \
+	kernels/gk_radiance.h \
 	kernels/gk_scatter.h \
 	kernels/gk_scene.h \
 	kernels/gk_solid.h \

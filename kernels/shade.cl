@@ -4,6 +4,7 @@
 // One item per path; every item reads and writes its own columns only.
 #include "kernels/gk_film.h"
 #include "kernels/gk_light_grid.h"
+#include "kernels/gk_radiance.h"
 #include "kernels/gk_transport.h"
 #include "kernels/gk_vertex.h"
 
@@ -324,9 +325,9 @@ GK_INLINE void gk_add_found(__global float *wave, gk_u32 stride,
     const struct gk_vec seen = gk_vec_select(found, gk_splat(0.0f), x->in_medium || x->passes);
     const gk_f32 failed = x->fails ? GK_RADIANCE_NESTED : 0.0f;
     const gk_u32 lane = x->path.lane;
-    GK_STORE(GK_COL_LR, lane, GK_LOAD(GK_COL_LR, lane) + seen.x + failed);
-    GK_STORE(GK_COL_LG, lane, GK_LOAD(GK_COL_LG, lane) + seen.y);
-    GK_STORE(GK_COL_LB, lane, GK_LOAD(GK_COL_LB, lane) + seen.z);
+    gk_radiance_add(wave, stride, lane, 0u, seen.x + failed);
+    gk_radiance_add(wave, stride, lane, 1u, seen.y);
+    gk_radiance_add(wave, stride, lane, 2u, seen.z);
 }
 
 GK_INLINE struct gk_environment gk_environment_of(const __global struct gk_frame *frame,

@@ -12,11 +12,12 @@ enum glint_exr_layout { GLINT_EXR_SINGLE, GLINT_EXR_MULTIPART };
 struct glint_exr_options {
     enum glint_exr_compression compression;
     enum glint_exr_layout layout; // MULTIPART: part 0 is R,G,B,A and repeats the cryptomatte keys
+    bool floats;                  // what a frame has as half is written as float
     int zip_level;                // 1..9, 0 for the default, 4
     bool foreign;                 // a frame that was read: its Cryptomatte types stay what they are
 };
 
-// Writes a complete scanline file, channels sorted bytewise, colour clamped to the half range
+// Writes a complete scanline file, channels sorted bytewise, half colour clamped to its range
 // (*clamped counts the values, may be NULL). *bytes is malloc'd.
 glint_status glint_exr_write(const struct glint_frame *frame,
                              const struct glint_exr_options *options, uint8_t **bytes, size_t *size,

@@ -145,6 +145,11 @@ static exr_compression_t compression_of(const struct writer *w, const struct par
     return table[w->options->compression];
 }
 
+static enum glint_pixel_type type_of(const struct writer *w, const struct glint_channel *c)
+{
+    return w->options->floats && c->type == GLINT_PIXEL_HALF ? GLINT_PIXEL_FLOAT : c->type;
+}
+
 static exr_result_t declare_part(struct writer *w, uint32_t index)
 {
     static const exr_pixel_type_t type[] = {[GLINT_PIXEL_HALF] = EXR_PIXEL_HALF,
@@ -163,7 +168,7 @@ static exr_result_t declare_part(struct writer *w, uint32_t index)
         r = exr_initialize_required_attr(w->context, at, &display, &data, 1, &centre, 1,
                                          EXR_LINEORDER_INCREASING_Y, compression_of(w, p));
     for (uint32_t i = 0; !r && i < p->channels; i++)
-        r = exr_add_channel(w->context, at, p->channel[i]->name, type[p->channel[i]->type],
+        r = exr_add_channel(w->context, at, p->channel[i]->name, type[type_of(w, p->channel[i])],
                             EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
     for (uint32_t i = 0; !r && i < f->attributes; i++)
         if (belongs(&f->attribute[i], index, p->type))
@@ -182,7 +187,7 @@ static exr_result_t pack(exr_encode_pipeline_t *pipe)
         const size_t row = (size_t)(pipe->chunk.start_y - w->frame->y + line) * width;
         for (uint32_t c = 0; c < p->channels; c++) {
             const float *from = p->channel[c]->plane + row;
-            if (p->channel[c]->type != GLINT_PIXEL_HALF) {
+            if (type_of(w, p->channel[c]) != GLINT_PIXEL_HALF) {
                 memcpy(to, from, width * sizeof *from);
                 to += width * sizeof *from;
                 continue;

@@ -21,6 +21,7 @@ UNIT_TESTS = \
 	tests/kernel/test_matte_shared \
 	tests/kernel/test_medium \
 	tests/kernel/test_sampler \
+	tests/kernel/test_texture \
 	tests/render/test_bounces \
 	tests/render/test_camera \
 	tests/render/test_effects \
@@ -37,6 +38,7 @@ UNIT_TESTS = \
 	tests/render/test_resident \
 	tests/render/test_transport \
 	tests/unit/test_ahead \
+	tests/unit/test_alias \
 	tests/unit/test_arena \
 	tests/unit/test_assets \
 	tests/unit/test_compact \
@@ -164,7 +166,9 @@ EXTRA_PROGRAMS += tests/accuracy/strips tests/bench/embree_share tests/bench/exr
 	tests/bench/memory tests/bench/million_scene tests/bench/stream_load
 tests_accuracy_strips_SOURCES = tests/accuracy/strips.c tests/accuracy/subrays.c \
 	tests/accuracy/subrays.h $(offline)
-EXTRA_PROGRAMS += tests/bench/effects
+EXTRA_PROGRAMS += tests/bench/effects tests/bench/precision
+tests_bench_precision_SOURCES = tests/bench/precision.c tests/bench/bench.c tests/bench/bench.h \
+	tests/kernel/matte_double.h $(offline)
 tests_bench_effects_SOURCES = tests/bench/effects.c tests/bench/bench.c tests/bench/bench.h \
 	$(effect_worlds)
 EXTRA_PROGRAMS += tests/bench/stages
@@ -291,7 +295,7 @@ dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
 	tests/stability/programs.py tests/stability/table.py tests/tap.py
 
 dist_check_SCRIPTS += tests/mutation/run
-dist_check_DATA += tests/mutation/faults.toml tests/mutation/filter.c tests/mutation/table.py
+dist_check_DATA += tests/kernel/matte_double.h tests/mutation/faults.toml tests/mutation/filter.c tests/mutation/table.py
 
 TEST_EXTENSIONS = .py .sh
 TAP_DRIVER = env AM_TAP_AWK='$(AWK)' $(SHELL) $(top_srcdir)/build-aux/tap-driver.sh

@@ -37,7 +37,7 @@ static bool read_outputs(const char *list, uint32_t *outputs)
 static glint_status read_wish(struct glint_session *s, const struct glint_arguments *a,
                               struct wish *w, struct glint_error *err)
 {
-    const char *layout = glint_options_text(a, "layout");
+    const char *layout = glint_options_text(a, "layout"), *pixels = glint_options_text(a, "pixels");
     const char *outputs = glint_options_text(a, "outputs");
     *w = (struct wish){.frame = glint_options_text(a, "output"),
                        .film = glint_options_text(a, "film"),
@@ -53,6 +53,9 @@ static glint_status read_wish(struct glint_session *s, const struct glint_argume
         return glint_session_usage(s, err, "--layout is single or multipart, not '%s'", layout);
     if (layout && !strcmp(layout, "multipart"))
         w->exr.layout = GLINT_EXR_MULTIPART;
+    if (pixels && strcmp(pixels, "half") && strcmp(pixels, "float"))
+        return glint_session_usage(s, err, "--pixels is half or float, not '%s'", pixels);
+    w->exr.floats = pixels && !strcmp(pixels, "float");
     return GLINT_OK;
 }
 
@@ -211,6 +214,7 @@ static const struct glint_option options[] = {
     {"film", 0, "FILE", "the films as one, to be merged further or restored"},
     {"outputs", 0, "A,B", "only these outputs"},
     {"layout", 0, "KIND", "single (default) or multipart"},
+    {"pixels", 0, "KIND", "of colour: half (default) or float"},
     {"partial", 0, NULL, "also where samples are missing"},
     {0},
 };

@@ -14,6 +14,7 @@
 struct wish {
     uint32_t outputs; // 0: all of the job's
     int layout;       // enum glint_exr_layout
+    int floats;       // colour as float, else half
     int tonemap;
     double exposure;
     bool picture; // PNG
@@ -64,7 +65,8 @@ static glint_status encode_exr(const struct glint_frame *frame, const struct wis
                                uint8_t **bytes, size_t *size, struct glint_error *err)
 {
     const struct glint_exr_options options = {.compression = GLINT_EXR_ZIP,
-                                              .layout = (enum glint_exr_layout)wish->layout};
+                                              .layout = (enum glint_exr_layout)wish->layout,
+                                              .floats = wish->floats};
     return glint_exr_write(frame, &options, bytes, size, NULL, err);
 }
 
@@ -97,9 +99,9 @@ static void answer(struct glint_request *r, const struct glint_job_view *view,
                    const struct wish *wish)
 {
     char key[256];
-    snprintf(key, sizeof key, "%s %llu %x %d %d %d %.17g", r->argument[0],
+    snprintf(key, sizeof key, "%s %llu %x %d %d %d %d %.17g", r->argument[0],
              (unsigned long long)view->sequence, wish->outputs, wish->picture, wish->layout,
-             wish->tonemap, wish->exposure);
+             wish->floats, wish->tonemap, wish->exposure);
     struct glint_blob *blob =
         glint_pixels_final(view) ? glint_frames_find(r->http->frames, key) : NULL;
     if (!blob) {
@@ -122,12 +124,14 @@ static void answer(struct glint_request *r, const struct glint_job_view *view,
 void glint_http_frame_exr(struct glint_request *r)
 {
     static const char *const layouts[] = {"single", "multipart", NULL};
+    static const char *const pixels[] = {"half", "float", NULL};
     struct glint_error err = {0};
     struct glint_job_view view;
     struct wish wish = {.layout = GLINT_EXR_SINGLE};
     glint_query_check(r, &err);
     read_outputs(r, &wish.outputs, &err);
     glint_query_choice(r, "layout", layouts, &wish.layout, &err);
+    glint_query_choice(r, "pixels", pixels, &wish.floats, &err);
     if (!glint_pixels_open(r, &view, &err))
         return;
     if (check_outputs(r, view.job, &wish, "outputs"))

@@ -48,7 +48,7 @@ const struct glint_route glint_route_table[] = {
     {"DELETE", JOB, glint_http_jobs_delete, GLINT_LANE_CALL, GLINT_BODY_NONE, "",
      "cancel a job; once more: forget it"},
     {"GET", JOB "/frame.exr", glint_http_frame_exr, GLINT_LANE_FRAME, GLINT_BODY_NONE,
-     "layout outputs wait ", "the frame as it stands"},
+     "layout outputs pixels wait ", "the frame as it stands"},
     {"GET", JOB "/frame.png", glint_http_frame_png, GLINT_LANE_FRAME, GLINT_BODY_NONE,
      "exposure output tonemap wait ", "one output for the eye"},
     {"GET", JOB "/film", glint_http_film, GLINT_LANE_FRAME, GLINT_BODY_NONE, "wait ",

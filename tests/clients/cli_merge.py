@@ -83,14 +83,15 @@ def test_regions_and_sample_ranges_of_two_daemons_make_the_frame_of_one_run():
         assert read(farm / "mixed.exr") == whole
 
 
-def test_outputs_and_layout_are_those_of_the_daemon():
+def test_outputs_layout_and_pixels_are_those_of_the_daemon():
     with Farm() as farm:
         parts = [farm.film(f"{first}.film", first % 2, sample_range=[first, end])
                  for first, end in ((0, 3), (3, 4))]
         whole = farm.job(0, stop={"samples": 4})
-        frame = farm.daemons[0].frame(whole, "&outputs=beauty,depth,crypto_object&layout=multipart")
+        frame = farm.daemons[0].frame(whole, "&outputs=beauty,depth,crypto_object&layout=multipart"
+                                        "&pixels=float")
         farm.merge(*parts, "-o", farm / "some.exr", "--layout", "multipart",
-                   "--outputs", "beauty,depth,crypto_object")
+                   "--outputs", "beauty,depth,crypto_object", "--pixels", "float")
         assert read(farm / "some.exr") == frame
 
 

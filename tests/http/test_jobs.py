@@ -62,6 +62,8 @@ def test_a_job_is_rendered_and_described():
         some = daemon.frame(job, "&outputs=depth")
         assert len(some) < len(daemon.frame(job))
         assert daemon.frame(job, "&layout=multipart") != daemon.frame(job)
+        floats = daemon.frame(job, "&pixels=float")
+        assert len(floats) > len(daemon.frame(job)) == len(daemon.frame(job, "&pixels=half"))
 
 
 def test_a_finished_frame_is_one_thing_that_can_be_fetched_in_parts():

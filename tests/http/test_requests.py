@@ -75,7 +75,8 @@ def faulty_parameters(answer):
 def test_every_fault_of_a_query_is_named_in_one_answer():
     job = "/v1/jobs/none"
     faults = {
-        f"{job}/frame.exr?layout=x&wait=y&z=1&outputs=smell": ["layout", "outputs", "wait", "z"],
+        f"{job}/frame.exr?layout=x&pixels=y&wait=y&z=1&outputs=smell":
+            ["layout", "outputs", "pixels", "wait", "z"],
         f"{job}/frame.png?exposure=loud&exposure=1&q=1": ["exposure", "exposure", "q"],
         f"{job}/matte.png?through=wall&layer=skin&z=": ["layer", "name", "through", "z"],
         f"{job}/pick?x=-1&y=a&z=1": ["x", "y", "z"],

@@ -251,6 +251,29 @@ static void what_goes_on_is_never_more_than_there_is(void **state)
     assert_int_equal(gk_coverage_carry(0, 0.0f, 1.0f, &excess), 0);
 }
 
+// Each vertex rounds what goes on to half a unit, weights up to 1 do not let that grow, and what
+// stays is what is left: to a vertex of depth k the share is right to k units of 2^-16.
+static void a_chain_of_carries_is_double_precision_to_a_unit_a_vertex(void **state)
+{
+    (void)state;
+    uint64_t seed = 3;
+    for (int path = 0; path < 20000; path++) {
+        gk_u32 held = 65536, given = 0;
+        double exact = 65536.0;
+        for (int k = 1; k <= 64; k++) {
+            const float weight = 1.0f - 0.2f * check_uniform(&seed);
+            gk_u32 excess;
+            const gk_u32 on = gk_coverage_carry(held, (float)held, weight, &excess);
+            assert_within((double)(held - on) - exact * (1.0 - (double)weight), k + 0.01);
+            exact *= (double)weight;
+            given += held - on;
+            held = on;
+            assert_within((double)held - exact, 0.5 * k + 0.01);
+        }
+        assert_int_equal(given + held, 65536);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -267,6 +290,7 @@ int main(void)
         cmocka_unit_test(the_clamp_keeps_a_cone_from_focusing_below_its_straight_width),
         cmocka_unit_test(a_cone_refracts_as_one_face_of_a_lens_does),
         cmocka_unit_test(what_goes_on_is_never_more_than_there_is),
+        cmocka_unit_test(a_chain_of_carries_is_double_precision_to_a_unit_a_vertex),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

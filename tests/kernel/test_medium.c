@@ -119,6 +119,22 @@ static void spans_lie_between_zero_and_the_hit(void **state)
     assert_float_equal(gk_medium_transmittance(&f, ray[0].o, x, INFINITY), 0.0, 0.0);
 }
 
+// Light that enters the medium after 3 m meets it an exponential distance from there.
+static void free_paths_begin_where_the_medium_does(void **state)
+{
+    (void)state;
+    const struct gk_frame frame = {.medium_density = 0.5f};
+    const struct gk_span span = {3.0f, 10.0f};
+    for (int i = 0; i < 4096; i++) {
+        const float u = (float)i / 4096.0f, t = gk_medium_distance(&frame, span, u);
+        const double exact = 3.0 - log1p(-(double)u) / 0.5;
+        if (exact < 10.0)
+            assert_within(t - exact, 1e-5);
+        else
+            assert_true(isinf(t));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -127,6 +143,7 @@ int main(void)
         cmocka_unit_test(value_is_the_published_form),
         cmocka_unit_test(a_delta_goes_straight_on_or_back),
         cmocka_unit_test(spans_lie_between_zero_and_the_hit),
+        cmocka_unit_test(free_paths_begin_where_the_medium_does),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -137,6 +137,50 @@ static void kernel_loses_nothing_in_either_precision(void **state)
     check_kernel("-DGK_FILM_FP64", true);
 }
 
+// Adds what 4096 shadow rays bring to each of 256 lanes, takes the samples into the film, and
+// compares with double precision: the largest relative error, in u.
+static double path_error(const char *options, bool wide)
+{
+    struct bench b;
+    double exact[LANES] = {0}, largest = 0.0;
+    uint64_t seed = 9;
+    bench_open(&b, options);
+    const uint32_t stride = LANES, n = LANES;
+    const struct glint_arg args[] = {
+        {.buffer = b.wave}, {.value = &stride, .size = 4}, {.value = &n, .size = 4}};
+    struct glint_error err = {0};
+    for (uint32_t i = 0; i < LANES; i++) {
+        memcpy(&column(&b, GK_COL_SLANE)[i], &i, 4);
+        column(&b, GK_COL_ST)[i] = 1.0f;
+    }
+    for (int k = 0; k < 4096; k++) {
+        for (uint32_t i = 0; i < LANES; i++)
+            exact[i] += column(&b, GK_COL_SR)[i] = (float)stable_random(&seed);
+        if (glint_launch(glint_devices_spare(o.devices), b.program, "add_unoccluded", LANES, 64,
+                         args, 3, &err))
+            offline_die("add_unoccluded", &err);
+    }
+    bench_add(&b);
+    const float *red = glint_buffer_host(b.film);
+    for (uint32_t i = 0; i < LANES; i++) {
+        const double sum = wide ? ((const double *)(const void *)red)[i] : red[i];
+        largest = fmax(largest, fabs(sum / exact[i] - 1.0) / UNIT);
+    }
+    bench_close(&b);
+    return largest;
+}
+
+// Of n = 4096 roundings: n u is the bound in floats, where some tens are usual, and n^2 u^2, 1 u, of
+// pairs of floats, where their random signs leave a millionth of that.
+static void a_path_s_sum_rounds_in_floats_and_not_in_double(void **state)
+{
+    (void)state;
+    const double narrow = path_error("", false), wide = path_error("-DGK_FILM_FP64", true);
+    print_message("# of 4096 terms: %.3g u in floats, %.3g u in double\n", narrow, wide);
+    assert_true(narrow > 1.0 && narrow <= 4096.0);
+    assert_true(wide <= 0x1p-10);
+}
+
 static void sample_that_is_not_finite_counts_as_zero_and_is_counted(void **state)
 {
     (void)state;
@@ -293,6 +337,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sums_of_millions_keep_four_units),
         cmocka_unit_test(kernel_loses_nothing_in_either_precision),
+        cmocka_unit_test(a_path_s_sum_rounds_in_floats_and_not_in_double),
         cmocka_unit_test(sample_that_is_not_finite_counts_as_zero_and_is_counted),
         cmocka_unit_test(render_stopped_at_n_and_run_on_is_one_render),
         cmocka_unit_test(order_of_slices_and_returned_ones_change_no_bit),

@@ -27,7 +27,8 @@ struct file {
 static struct file write_file(const struct glint_frame *f, enum glint_exr_compression compression,
                               enum glint_exr_layout layout)
 {
-    const struct glint_exr_options options = {compression, layout, 4, false};
+    const struct glint_exr_options options = {
+        .compression = compression, .layout = layout, .zip_level = 4};
     struct file file;
     assert_int_equal(glint_exr_write(f, &options, &file.bytes, &file.size, NULL, NULL), GLINT_OK);
     return file;
@@ -143,6 +144,37 @@ static void a_frame_comes_back_to_the_bit(void **state)
     }
 }
 
+// u: half of the last place of a half's eleven bits, relative.
+static void a_half_is_its_float_to_2_to_the_minus_11(void **state)
+{
+    (void)state;
+    struct glint_frame *f = make(67, 33), *half, *whole;
+    for (uint32_t c = 0; c < f->channels; c++)
+        for (size_t i = 0; f->channel[c].type == GLINT_PIXEL_HALF && i < 67 * 33; i++)
+            f->channel[c].plane[i] = ldexpf(1.0f + (float)(i * 7919 % 2211) / 2211.0f, i % 29 - 14);
+    struct file file = write_file(f, GLINT_EXR_ZIP, GLINT_EXR_SINGLE);
+    assert_int_equal(glint_exr_read(&half, file.bytes, file.size, NULL), GLINT_OK);
+    free(file.bytes);
+    const struct glint_exr_options options = {
+        .compression = GLINT_EXR_ZIP, .zip_level = 4, .floats = true};
+    assert_int_equal(glint_exr_write(f, &options, &file.bytes, &file.size, NULL, NULL), GLINT_OK);
+    assert_int_equal(glint_exr_read(&whole, file.bytes, file.size, NULL), GLINT_OK);
+    free(file.bytes);
+    double largest = 0;
+    for (uint32_t c = 0; c < f->channels; c++) {
+        assert_memory_equal(whole->channel[c].plane, glint_frame_find(f, whole->channel[c].name),
+                            67 * 33 * sizeof(float));
+        assert_int_not_equal(whole->channel[c].type, GLINT_PIXEL_HALF);
+        const float *exact = glint_frame_find(f, half->channel[c].name);
+        for (size_t i = 0; half->channel[c].type == GLINT_PIXEL_HALF && i < 67 * 33; i++)
+            largest = fmax(largest, fabs((double)half->channel[c].plane[i] / exact[i] - 1));
+    }
+    assert_true(largest > 0.9 * 0x1p-11 && largest <= 0x1p-11);
+    glint_frame_destroy(&f);
+    glint_frame_destroy(&half);
+    glint_frame_destroy(&whole);
+}
+
 static void the_same_frame_gives_the_same_bytes(void **state)
 {
     (void)state;
@@ -254,7 +286,7 @@ static void values_over_the_half_range_are_clamped_and_counted(void **state)
 static void what_would_break_ids_is_refused(void **state)
 {
     (void)state;
-    const struct glint_exr_options options = {GLINT_EXR_ZIP, GLINT_EXR_SINGLE, 0, false};
+    const struct glint_exr_options options = {.compression = GLINT_EXR_ZIP};
     struct file file;
     for (int i = 0; i < 3; i++) {
         struct glint_frame *f;
@@ -481,6 +513,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_comes_back_to_the_bit),
+        cmocka_unit_test(a_half_is_its_float_to_2_to_the_minus_11),
         cmocka_unit_test(the_same_frame_gives_the_same_bytes),
         cmocka_unit_test(the_first_part_repeats_every_cryptomatte_key),
         cmocka_unit_test(every_half_survives),
