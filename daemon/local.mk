@@ -57,6 +57,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/device/program.h \
 	daemon/device/source.c \
 	daemon/device/sources.h \
+	daemon/http/accuracy.c \
 	daemon/http/answer.c \
 	daemon/http/answer.h \
 	daemon/http/assets.c \
@@ -159,6 +160,10 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/table.h \
 	daemon/jobs/turn.c \
 	daemon/jobs/turn.h \
+	daemon/jobs/choose.c \
+	daemon/jobs/choose.h \
+	daemon/jobs/price.c \
+	daemon/jobs/price.h \
 	daemon/jobs/use.c \
 	daemon/jobs/use.h \
 	daemon/jobs/warn.c \
@@ -339,7 +344,26 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/textures.c \
 	daemon/scene/words.c \
 	daemon/scene/words.h
-nodist_libglintdaemon_a_SOURCES = clients/web/embedded.c kernels/embedded.c protocol/contract.c
+nodist_libglintdaemon_a_SOURCES = clients/web/embedded.c kernels/embedded.c protocol/contract.c \
+	daemon/jobs/fronts.c
+
+# What accuracy costs in scenes of each class, as `glint accuracy` measured it: docs/accuracy.
+class_fronts = \
+	daemon/jobs/fronts/glass.json \
+	daemon/jobs/fronts/lights.json \
+	daemon/jobs/fronts/plain.json \
+	daemon/jobs/fronts/textured.json
+EXTRA_DIST += $(class_fronts)
+
+daemon/jobs/fronts.c: $(class_fronts) build-aux/embed.awk
+	$(AM_V_GEN)$(MKDIR_P) daemon/jobs
+	$(AM_V_at)( echo '#include "jobs/price.h"'; \
+	  for f in $(class_fronts); do printf 'file %s\n' $${f##*/}; \
+	    od -An -v -tu1 $(top_srcdir)/$$f || exit 1; done | \
+	  $(AWK) -f $(top_srcdir)/build-aux/embed.awk | \
+	  $(SED) 's/glint_sources/glint_class_fronts/' ) >$@.t && mv $@.t $@
+
+CLEANFILES += daemon/jobs/fronts.c
 
 bin_PROGRAMS += glintd
 glintd_SOURCES = \

@@ -66,6 +66,16 @@ const struct glint_field glint_stop_fields[] = {
     {0},
 };
 
+const struct glint_field glint_budget_fields[] = {
+    {.name = "time",
+     .kind = GLINT_FIELD_DOUBLE,
+     .offset = offsetof(struct glint_job_budget, seconds),
+     .low = 1e-3,
+     .high = 1e9},
+    GLINT_FIELD(DOUBLE, struct glint_job_budget, error, .low = 1e-9, .high = 1e9),
+    {0},
+};
+
 const struct glint_field glint_matte_fields[] = {
     {.name = "slots",
      .kind = GLINT_FIELD_UINT,

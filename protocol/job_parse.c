@@ -115,6 +115,7 @@ static void read_dials(const struct glint_json *object, const char *parent, stru
         int setting = job->dial[d];
         glint_json_choice(&at, row->setting, &setting);
         job->dial[d] = (uint8_t)setting;
+        job->pinned |= at.value ? 1u << d : 0;
     }
 }
 
@@ -135,11 +136,32 @@ static void known_only(const struct glint_json *object, const char *parent,
 
 static void read_accuracy(const struct glint_json *at, struct glint_job *job)
 {
-    static const struct glint_field preset_field[] = {GLINT_FIELD_KNOWN("preset"), {0}};
+    static const struct glint_field plain[] = {
+        GLINT_FIELD_KNOWN("preset"), GLINT_FIELD_KNOWN("time"), GLINT_FIELD_KNOWN("error"), {0}};
     const struct glint_json preset = glint_json_member(at, "preset");
-    known_only(at, "accuracy", preset_field);
+    known_only(at, "accuracy", plain);
     read_preset(&preset, job);
     read_dials(at, "accuracy", job);
+    glint_fields_read_listed(at, glint_budget_fields, &job->arena, &job->budget);
+}
+
+// Who has the settings picked says what for, and renders all of a frame once.
+static void check_budget(const struct glint_json *root, struct glint_job *job)
+{
+    const struct glint_json at = glint_json_member(root, "accuracy");
+    const struct glint_json error = glint_json_member(&at, "error");
+    const struct glint_json stop = glint_json_member(root, "stop");
+    if (glint_json_member(root, "max_bounces").value)
+        job->pinned |= 1u << GLINT_DIAL_COUNT;
+    if (job->budget.seconds <= 0 && job->budget.error <= 0)
+        return;
+    if (job->budget.seconds > 0 && job->budget.error > 0)
+        glint_json_fault(&error, "a time or an error is asked for, not both");
+    if (job->live || job->sample_range[1])
+        glint_json_fault(&at, "the settings of a %s are not picked",
+                         job->live ? "live job" : "sample range");
+    if (!stop.value)
+        job->stop.samples = GLINT_MAX_SAMPLES;
 }
 
 // Twice as many candidates as ranks that are written: CONVENTIONS' ranking filter.
@@ -259,6 +281,7 @@ static void read_members(const struct glint_json *root, struct glint_job *job)
     }
     read_sample_range(root, job);
     check_live(root, job);
+    check_budget(root, job);
     if (!job->name)
         job->name = glint_arena_string(&job->arena, "");
     if (!job->name)

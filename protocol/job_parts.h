@@ -6,7 +6,8 @@
 #include "job.h"
 
 extern const struct glint_field glint_job_fields[], glint_filter_fields[], glint_stop_fields[],
-    glint_matte_fields[];                 // the last: mattes that are no dials
+    glint_budget_fields[],                // members of `accuracy` that are no dials
+    glint_matte_fields[];                 // mattes that are no dials
 extern const float glint_filter_widths[]; // default of each kind
 
 #endif

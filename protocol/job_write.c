@@ -52,11 +52,11 @@ static void write_group(struct glint_text *t, const char *key, const struct glin
 
 // The dials of a parent after its plain members.
 static void write_dials(struct glint_text *t, const char *parent, const struct glint_field *fields,
-                        const struct glint_job *job)
+                        const void *record, const struct glint_job *job)
 {
     glint_text_key(t, parent);
     glint_text_add(t, "{");
-    glint_fields_write(t, fields, job);
+    glint_fields_write(t, fields, record);
     for (int d = 0; d < GLINT_DIAL_COUNT; d++) {
         if (strcmp(glint_dial_table[d].parent, parent))
             continue;
@@ -64,6 +64,18 @@ static void write_dials(struct glint_text *t, const char *parent, const struct g
         glint_text_string(t, glint_dial_table[d].setting[job->dial[d]]);
     }
     glint_text_add(t, "}");
+}
+
+// Where the settings were to be picked, for what: beside it stand those that were.
+static void write_accuracy(struct glint_text *t, const struct glint_job *job)
+{
+    const struct glint_job_budget *budget = &job->budget;
+    struct glint_field fields[3] = {{0}};
+    size_t n = 0;
+    for (const struct glint_field *f = glint_budget_fields; f->kind; f++)
+        if (*(const double *)((const char *)budget + f->offset) > 0)
+            fields[n++] = *f;
+    write_dials(t, "accuracy", fields, budget, job);
 }
 
 // What was not asked for is left out: an absent member of `stop` imposes nothing.
@@ -89,7 +101,6 @@ static void write_stop(struct glint_text *t, const struct glint_job *job)
 
 char *glint_job_write(const struct glint_job *job)
 {
-    static const struct glint_field none[] = {{0}};
     struct glint_text t = {0};
     glint_text_add(&t, "{");
     glint_fields_write(&t, glint_job_fields, job);
@@ -97,8 +108,8 @@ char *glint_job_write(const struct glint_job *job)
     write_uints(&t, "resolution", (const uint32_t[]){job->width, job->height}, 2);
     write_uints(&t, "region", job->region, 4);
     write_outputs(&t, job->outputs);
-    write_dials(&t, "accuracy", none, job);
-    write_dials(&t, "mattes", glint_matte_fields, job);
+    write_accuracy(&t, job);
+    write_dials(&t, "mattes", glint_matte_fields, job, job);
     write_group(&t, "filter", glint_filter_fields, job);
     if (job->sample_range[1])
         write_uints(&t, "sample_range", job->sample_range, 2);

@@ -2,6 +2,10 @@
 
 noinst_LIBRARIES += libglint.a
 libglint_a_SOURCES = \
+	protocol/accuracy_front.c \
+	protocol/accuracy_front.h \
+	protocol/accuracy_knobs.c \
+	protocol/accuracy_knobs.h \
 	protocol/arena.c \
 	protocol/arena.h \
 	protocol/counts.c \

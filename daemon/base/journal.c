@@ -375,16 +375,18 @@ static glint_status make_tables(glint_journal *j, struct glint_error *err)
     snprintf(stamp, sizeof stamp, "PRAGMA application_id=%d; PRAGMA user_version=%d",
              GLINT_JOURNAL_APPLICATION, GLINT_JOURNAL_VERSION);
     const bool made = quick(j, "BEGIN IMMEDIATE") && quick(j, glint_journal_schema) &&
-                      quick(j, stamp) && quick(j, "COMMIT");
+                      quick(j, glint_journal_additions) && quick(j, stamp) && quick(j, "COMMIT");
     return made ? GLINT_OK : fault(j, err);
 }
 
-// A daemon that cannot write should say so before it takes work.
+// A daemon that cannot write should say so before it takes work. What older ones did not have is
+// added.
 static bool can_write(glint_journal *j)
 {
     char stamp[64];
     snprintf(stamp, sizeof stamp, "PRAGMA user_version=%d", GLINT_JOURNAL_VERSION);
-    return quick(j, "BEGIN IMMEDIATE") && quick(j, stamp) && quick(j, "COMMIT");
+    return quick(j, "BEGIN IMMEDIATE") && quick(j, glint_journal_additions) && quick(j, stamp) &&
+           quick(j, "COMMIT");
 }
 
 static glint_status open_database(glint_journal *j, struct glint_error *err)

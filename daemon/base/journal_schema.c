@@ -1,5 +1,11 @@
 #include "base/journal_schema.h"
 
+// Since version 2.
+const char glint_journal_additions[] =
+    "CREATE TABLE IF NOT EXISTS front(\n"
+    "  scene TEXT PRIMARY KEY NOT NULL, -- its name\n"
+    "  text TEXT NOT NULL);             -- JSON, as it was put\n";
+
 // Revisions have one row for each text that something needs: a scene's name, a job that has not
 // ended, or another revision that is told by its difference.
 const char glint_journal_schema[] =

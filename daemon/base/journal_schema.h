@@ -7,7 +7,7 @@
 #define GLINT_BASE_JOURNAL_SCHEMA_H
 
 #define GLINT_JOURNAL_APPLICATION 0x676c6e74 // "glnt": PRAGMA application_id
-#define GLINT_JOURNAL_VERSION 1              // PRAGMA user_version
+#define GLINT_JOURNAL_VERSION 2              // PRAGMA user_version
 
 // The forms of a revision's text.
 enum glint_text_form {
@@ -16,6 +16,6 @@ enum glint_text_form {
     GLINT_TEXT_DELTA  // data: what differs from the text of `parent`
 };
 
-extern const char glint_journal_schema[];
+extern const char glint_journal_schema[], glint_journal_additions[];
 
 #endif

@@ -11,6 +11,11 @@ void glint_http_scenes_put(struct glint_request *r);
 void glint_http_scenes_patch(struct glint_request *r);
 void glint_http_scenes_delete(struct glint_request *r);
 
+// accuracy.c; the last adds "knobs" and "unbuilt" to what GET /v1 answers
+void glint_http_front_get(struct glint_request *r);
+void glint_http_front_put(struct glint_request *r);
+void glint_http_add_knobs(cJSON *object);
+
 // assets.c
 void glint_http_assets_get(struct glint_request *r);
 void glint_http_assets_put(struct glint_request *r);

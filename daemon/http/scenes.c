@@ -157,6 +157,8 @@ void glint_http_scenes_delete(struct glint_request *r)
         return;
     if (!err.count)
         glint_store_delete(r->http->store, r->argument[0], *must ? must : NULL, force, &err);
+    if (!err.count)
+        glint_jobs_drop_front(r->http->jobs, r->argument[0], &err);
     if (err.count)
         glint_answer_error(r, &err);
     else

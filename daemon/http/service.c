@@ -144,6 +144,7 @@ void glint_http_service_describe(struct glint_request *r)
     add_tonemaps(o);
     add_dials(o);
     add_presets(o);
+    glint_http_add_knobs(o);
     cJSON *limits = cJSON_AddObjectToObject(o, "limits");
     cJSON_AddNumberToObject(limits, "job_bytes", (double)l.job_bytes);
     cJSON_AddNumberToObject(limits, "scene_bytes", (double)l.scene_bytes);

@@ -1,6 +1,7 @@
 #include "jobs/admit.h"
 
 #include "base/clock.h"
+#include "jobs/choose.h"
 #include "jobs/warn.h"
 #include "protocol/cryptomatte.h"
 
@@ -99,13 +100,19 @@ static void warn_of_mattes(cJSON *warnings, const struct glint_scene *scene, uin
     free(name);
 }
 
-// All of the entry but what it takes from others.
+// All of the entry but what it takes from others; `chosen` and `asked` it takes in any case.
 static struct glint_entry *new_entry(const struct glint_job *job,
-                                     const struct glint_submission *from)
+                                     const struct glint_submission *from, cJSON *chosen,
+                                     char *asked)
 {
     struct glint_entry *e = calloc(1, sizeof *e);
-    if (!e)
+    if (!e) {
+        cJSON_Delete(chosen);
+        free(asked);
         return NULL;
+    }
+    e->chosen = chosen;
+    e->asked = asked;
     atomic_init(&e->references, 1);
     atomic_init(&e->abandoned, false);
     e->text = glint_job_write(job);
@@ -139,14 +146,28 @@ static void fill(struct glint_entry *e, struct glint_job *job, glint_revision *r
                    job->outputs);
 }
 
-glint_status glint_admit(struct glint_entry **out, glint_store *store, uint32_t workers,
+// Picks the settings of a job with a budget. *asked: the job as it was before.
+static glint_status choose(cJSON **chosen, char **asked, const struct glint_admission *to,
+                           const glint_revision *revision, struct glint_job *job,
+                           struct glint_error *err)
+{
+    *asked = job->budget.seconds > 0 || job->budget.error > 0 ? glint_job_write(job) : NULL;
+    const glint_status st = glint_choose(chosen, to->prices, revision, to->workers, job, err);
+    if (st) {
+        free(*asked);
+        *asked = NULL;
+    }
+    return st;
+}
+
+glint_status glint_admit(struct glint_entry **out, const struct glint_admission *to,
                          struct glint_job *job, const struct glint_submission *from,
                          struct glint_error *err)
 {
     *out = NULL;
     glint_revision *revision = NULL;
     glint_status st = check_key(from->key, err);
-    const glint_status found = find_scene(&revision, store, job->scene, err);
+    const glint_status found = find_scene(&revision, to->store, job->scene, err);
     st = st ? st : found;
     struct glint_pose_request request;
     if (!st) {
@@ -155,7 +176,11 @@ glint_status glint_admit(struct glint_entry **out, glint_store *store, uint32_t 
         const glint_status posed = glint_posed_request(&request, scene, job, err);
         st = st ? st : posed;
     }
-    struct glint_entry *e = st ? NULL : new_entry(job, from);
+    cJSON *chosen = NULL;
+    char *asked = NULL;
+    if (!st)
+        st = choose(&chosen, &asked, to, revision, job, err);
+    struct glint_entry *e = st ? NULL : new_entry(job, from, chosen, asked);
     if (!st && !e)
         st = glint_fail(err, GLINT_E_NOMEM, "", "no memory for a job");
     if (!st)
@@ -166,7 +191,7 @@ glint_status glint_admit(struct glint_entry **out, glint_store *store, uint32_t 
         return st;
     }
     fill(e, job, revision);
-    glint_need_estimate(&e->need, glint_revision_resident(revision), &request, job, workers);
+    glint_need_estimate(&e->need, glint_revision_resident(revision), &request, job, to->workers);
     *out = e;
     return GLINT_OK;
 }

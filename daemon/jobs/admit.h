@@ -4,11 +4,19 @@
 #ifndef GLINT_JOBS_ADMIT_H
 #define GLINT_JOBS_ADMIT_H
 
+#include "jobs/price.h"
 #include "jobs/table.h"
 
-// workers: how many there are. An entry that no table has yet, with one reference, the scene's current revision pinned. Takes
-// `job` on success.
-glint_status glint_admit(struct glint_entry **out, glint_store *store, uint32_t workers,
+// What jobs are admitted to.
+struct glint_admission {
+    glint_store *store;
+    glint_prices *prices;
+    uint32_t workers; // how many there are
+};
+
+// An entry that no table has yet, with one reference, the scene's current revision pinned, the
+// settings picked where the job has a budget. Takes `job` on success.
+glint_status glint_admit(struct glint_entry **out, const struct glint_admission *to,
                          struct glint_job *job, const struct glint_submission *from,
                          struct glint_error *err);
 

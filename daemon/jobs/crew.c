@@ -51,9 +51,10 @@ static void *work(void *arg)
                                        .entry = order.entry,
                                        .worker = m->index,
                                        .slice = order.slice};
-        const double start = glint_now();
+        const double start = glint_now(), cpu = glint_thread_cpu();
         answer.status = glint_render_run(order.entry->render, worker, &order.slice, &answer.error);
         answer.seconds = glint_now() - start;
+        answer.cpu_seconds = glint_thread_cpu() - cpu;
         if (!glint_queue_push(m->inbox, &answer))
             glint_error_finish(&answer.error);
     }

@@ -31,7 +31,7 @@ struct glint_message {
     glint_revision *revision;      // of render or view, the receiver's
     uint32_t worker;               // RETURNED
     struct glint_slice slice;      // RETURNED
-    double seconds;                // RETURNED: of the worker
+    double seconds, cpu_seconds;   // RETURNED: of the worker
     glint_status status;
     struct glint_error error; // the receiver's, when `status` is not GLINT_OK
 };

@@ -17,7 +17,7 @@ struct moment {
     glint_render *render;
     int32_t priority;
     struct glint_job_stop stop;
-    double seconds, worker_seconds;
+    double seconds, worker_seconds, cpu_seconds;
     uint64_t sequence;
     bool idle;
     char revision[65];
@@ -39,6 +39,7 @@ static void look(struct glint_job_table *table, struct glint_entry *e, struct mo
                            e->stop,
                            glint_entry_seconds(e, now),
                            e->worker_seconds,
+                           e->cpu_seconds,
                            e->sequence,
                            e->state == GLINT_JOB_RENDERING && isnan(e->since),
                            "",
@@ -127,6 +128,7 @@ static void add_render(cJSON *object, const struct glint_entry *e, const struct 
     add_number(object, "seconds", m->seconds);
     add_number(object, "eta_seconds", eta(m, r));
     add_number(object, "worker_seconds", m->worker_seconds);
+    add_number(object, "cpu_seconds", m->cpu_seconds);
     add_rays(object, r);
     glint_invariants_add(object, r);
 }
@@ -223,6 +225,8 @@ static cJSON *describe(const struct glint_entry *e, const struct moment *m)
     cJSON_AddStringToObject(object, "plan", plan);
     if (m->state == GLINT_JOB_FAILED) // from then on nobody changes the problem
         cJSON_AddItemToObject(object, "problem", glint_problem_object(&e->problem, NULL, NULL));
+    if (e->chosen)
+        cJSON_AddItemToObject(object, "chosen", cJSON_Duplicate(e->chosen, true));
     add_warnings(object, e, m, &r);
     cJSON_AddStringToObject(object, "created", e->created);
     add_job(object, e, m);

@@ -4,6 +4,7 @@
 #include "base/log.h"
 #include "jobs/admit.h"
 #include "jobs/checkpoint.h"
+#include "jobs/choose.h"
 #include "jobs/describe.h"
 #include "jobs/patch.h"
 #include "jobs/restart.h"
@@ -17,6 +18,7 @@
 
 struct glint_jobs {
     glint_store *store;
+    glint_prices *prices;
     glint_checkpoints *checkpoints; // NULL: nothing is kept
     pthread_mutex_t keyed[KEYS]; // by a hash of the key: two submissions with one follow each other
     struct glint_job_table table;
@@ -98,6 +100,8 @@ glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_s
     glint_status st = glint_job_table_init(&jobs->table, glint_devices_workers(devices))
                           ? GLINT_OK
                           : glint_fail(err, GLINT_E_NOMEM, "", "no memory for the job table");
+    if (!st)
+        st = glint_prices_create(&jobs->prices, keeper, err);
     if (!st && keeper)
         st = glint_checkpoints_create(&jobs->checkpoints, keeper, &jobs->table, film_written, jobs,
                                       err);
@@ -150,6 +154,7 @@ void glint_jobs_destroy(glint_jobs **jobs)
         glint_checkpoints_flush(j->checkpoints);
     glint_job_table_finish(&j->table);
     glint_checkpoints_destroy(&j->checkpoints);
+    glint_prices_destroy(&j->prices);
     for (unsigned i = 0; i < KEYS; i++)
         pthread_mutex_destroy(&j->keyed[i]);
     free(j);
@@ -166,7 +171,7 @@ void glint_jobs_on_change(glint_jobs *jobs, void (*changed)(void *user), void *u
 static glint_status repeat(struct glint_entry *known, const char *text, char id[GLINT_JOB_ID_BYTES],
                            struct glint_error *err)
 {
-    const bool equal = !strcmp(known->text, text);
+    const bool equal = !strcmp(known->asked ? known->asked : known->text, text);
     strcpy(id, known->id);
     glint_entry_release(&known);
     return equal ? GLINT_OK
@@ -207,7 +212,7 @@ static glint_status add(glint_jobs *jobs, struct glint_entry *entry, char id[GLI
     forget_all(jobs, command.gone); // here and not by the scheduler: it takes a while
     *repeated = command.repeated != NULL;
     if (*repeated)
-        st = repeat(command.repeated, entry->text, id, err);
+        st = repeat(command.repeated, entry->asked ? entry->asked : entry->text, id, err);
     return st;
 }
 
@@ -253,7 +258,8 @@ static glint_status submit_new(glint_jobs *jobs, struct glint_job *job,
                                bool *repeated, struct glint_error *err)
 {
     struct glint_entry *entry;
-    glint_status st = glint_admit(&entry, jobs->store, jobs->table.workers, job, from, err);
+    const struct glint_admission to = {jobs->store, jobs->prices, jobs->table.workers};
+    glint_status st = glint_admit(&entry, &to, job, from, err);
     if (st)
         return st;
     st = keep_and_add(jobs, entry, id, repeated, err);
@@ -287,6 +293,34 @@ glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job,
     if (keyed)
         pthread_mutex_unlock(keyed);
     return st;
+}
+
+glint_status glint_jobs_put_front(glint_jobs *jobs, const char *scene, const char *text,
+                                  size_t length, bool *created, struct glint_error *err)
+{
+    glint_revision *revision;
+    glint_status st = glint_store_get(jobs->store, scene, &revision, err);
+    if (st)
+        return st;
+    glint_revision_release(&revision);
+    return glint_prices_put(jobs->prices, scene, text, length, created, err);
+}
+
+glint_status glint_jobs_drop_front(glint_jobs *jobs, const char *scene, struct glint_error *err)
+{
+    return glint_prices_remove(jobs->prices, scene, err);
+}
+
+cJSON *glint_jobs_front(glint_jobs *jobs, const char *scene, struct glint_error *err)
+{
+    glint_revision *revision;
+    cJSON *object = NULL;
+    if (glint_store_get(jobs->store, scene, &revision, err))
+        return NULL;
+    if (!glint_revision_load(revision, err))
+        object = glint_choose_describe(jobs->prices, scene, revision, err);
+    glint_revision_release(&revision);
+    return object;
 }
 
 cJSON *glint_jobs_describe(glint_jobs *jobs, const char *id, struct glint_error *err)

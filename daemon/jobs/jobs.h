@@ -102,16 +102,26 @@ struct glint_jobs_filter {
 
 // {"id","name","client","request","scene","revision","state","waits_for","priority","samples",
 //  "target_samples","progress","error","estimate":{...},"seconds","eta_seconds","worker_seconds",
-//  "checkpoint","memory_bytes","rays":{...},"invariants":{...},"plan","problem","warnings","created",
-//  "job":{...}} and
+//  "cpu_seconds","checkpoint","memory_bytes","rays":{...},"invariants":{...},"plan","problem",
+//  "chosen","warnings","created","job":{...}} and
 // {"jobs": [...], "next": id or null} in order of submission; filter: NULL: all; next: what to go on
 // behind, when the limit has cut the list. Numbers not known yet are null; "problem" is there when
-// the job has failed; "request" where the submission had one.
+// the job has failed, "chosen" where its settings were picked by price, "request" where the
+// submission had one.
 //   GLINT_E_NOT_FOUND  no such job
 cJSON *glint_jobs_describe(glint_jobs *jobs, const char *id, struct glint_error *err);
 //   GLINT_E_RANGE      there is no job `after`
 cJSON *glint_jobs_list(glint_jobs *jobs, const struct glint_jobs_filter *filter,
                        struct glint_error *err);
+
+// What was measured of a scene's settings, from which those of jobs with a budget are picked: see
+// protocol/accuracy_front.h. glint_jobs_front() answers with the scene's own or that of its class:
+// {"scene", "from": "scene" or "class", "class", "current", "front": {...}}.
+//   GLINT_E_NOT_FOUND  no such scene
+glint_status glint_jobs_put_front(glint_jobs *jobs, const char *scene, const char *text,
+                                  size_t length, bool *created, struct glint_error *err);
+glint_status glint_jobs_drop_front(glint_jobs *jobs, const char *scene, struct glint_error *err);
+cJSON *glint_jobs_front(glint_jobs *jobs, const char *scene, struct glint_error *err);
 
 // First call on a live job cancels it and keeps its pixels (*forgotten false); on an ended one it
 // forgets the job (*forgotten true).

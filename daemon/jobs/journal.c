@@ -85,6 +85,11 @@ static char *write_changes(const struct glint_entry *e)
         cJSON_AddItemToObject(o, "camera", cJSON_Duplicate(e->look->camera, true));
     if (e->state == GLINT_JOB_FAILED)
         cJSON_AddItemToObject(o, "problem", write_problem(&e->problem));
+    cJSON_AddNumberToObject(o, "cpu_seconds", e->cpu_seconds);
+    if (e->chosen)
+        cJSON_AddItemToObject(o, "chosen", cJSON_Duplicate(e->chosen, true));
+    if (e->asked)
+        cJSON_AddStringToObject(o, "asked", e->asked);
     char *text = cJSON_PrintUnformatted(o);
     cJSON_Delete(o);
     return text;
@@ -120,23 +125,29 @@ void glint_job_progress_finish(struct glint_job_progress *progress)
 glint_status glint_job_row_add(glint_journal *journal, const struct glint_entry *e,
                                struct glint_error *err)
 {
-    char *warnings = cJSON_PrintUnformatted(e->warnings);
-    if (!warnings)
+    char *warnings = cJSON_PrintUnformatted(e->warnings), *changes = write_changes(e);
+    if (!warnings || !changes) {
+        free(warnings);
+        free(changes);
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory to keep a job");
+    }
     const struct glint_statement row = {
         .sql =
             "INSERT INTO job(id, text, scene, revision, client, request, key, created, accepted, "
-            "film_bytes, scene_bytes, warnings, state) VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?)",
+            "film_bytes, scene_bytes, warnings, state, changes) "
+            "VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?)",
         .value = {glint_value_text(e->id), glint_value_text(e->text),
                   glint_value_text(e->job->scene), glint_value_text(glint_revision_id(e->revision)),
                   glint_value_text(e->client), glint_value_text(e->request),
                   glint_value_text(e->key), glint_value_text(e->created),
                   glint_value_real(glint_wall_clock()), glint_value_integer((int64_t)e->need.film),
                   glint_value_integer((int64_t)e->need.scene), glint_value_text(warnings),
-                  glint_value_text(glint_job_state_name(GLINT_JOB_QUEUED))},
-        .values = 13};
+                  glint_value_text(glint_job_state_name(GLINT_JOB_QUEUED)),
+                  glint_value_text(changes)},
+        .values = 14};
     const glint_status st = glint_journal_commit(journal, &row, 1, err);
     free(warnings);
+    free(changes);
     return st;
 }
 

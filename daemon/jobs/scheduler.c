@@ -243,7 +243,8 @@ static void returned(glint_scheduler *s, struct glint_message *m)
     struct glint_entry *e = m->entry;
     e->out--;
     glint_render_give_back(e->render, &m->slice, !m->status);
-    glint_state_slice(s->table, e, m->seconds, m->worker, next_order(&s->load[m->worker]));
+    glint_state_slice(s->table, e, m->seconds, m->cpu_seconds, m->worker,
+                      next_order(&s->load[m->worker]));
     glint_turn_charge(e, m->seconds);
     s->pixels = true;
     s->news |= e->fresh > 0; // somebody waits for it

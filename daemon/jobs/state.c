@@ -121,11 +121,12 @@ void glint_state_look(struct glint_job_table *table, struct glint_entry *entry,
 }
 
 void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry, double seconds,
-                       uint32_t worker, const struct glint_entry *next)
+                       double cpu_seconds, uint32_t worker, const struct glint_entry *next)
 {
     const double now = glint_now();
     pthread_mutex_lock(&table->mutex);
     entry->worker_seconds += seconds;
+    entry->cpu_seconds += cpu_seconds;
     entry->sequence++;
     table->slices++;
     table->busy_seconds += seconds;

@@ -41,7 +41,7 @@ void glint_state_look(struct glint_job_table *table, struct glint_entry *entry,
 
 // Counts a slice that the worker has run; it runs one of `next` now, NULL: none.
 void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry, double seconds,
-                       uint32_t worker, const struct glint_entry *next);
+                       double cpu_seconds, uint32_t worker, const struct glint_entry *next);
 // The worker runs a slice of the entry.
 void glint_state_work(struct glint_job_table *table, const struct glint_entry *entry,
                       uint32_t worker);

@@ -196,6 +196,8 @@ void glint_entry_release(struct glint_entry **entry)
     free(e->kept.trouble);
     free(e->kept.torn);
     free(e->text);
+    free(e->asked);
+    cJSON_Delete(e->chosen);
     free(e->client);
     free(e->request);
     free(e->key);

@@ -46,6 +46,8 @@ struct glint_entry {
     char id[GLINT_JOB_ID_BYTES];
     struct glint_job *job;
     char *text;      // canonical JSON of `job`
+    char *asked;     // the same as submitted, where the settings were picked, or NULL
+    cJSON *chosen;   // what was picked, and what is expected of it, or NULL
     char *key;       // Idempotency-Key or NULL
     char *client;    // who submitted, "": nobody says
     char *request;   // id of the request that did, or NULL
@@ -70,6 +72,7 @@ struct glint_entry {
     double render_seconds;      // of rendering, up to `since`
     double since;               // glint_now() from which it is rendering, NAN: not now, or it idles
     double worker_seconds;
+    double cpu_seconds; // of the workers' threads: less where they wait for a device or a core
     uint64_t sequence;
     uint32_t views; // by whom `render` is used beside the scheduler and its workers
     struct glint_job_kept kept;

@@ -81,6 +81,7 @@ static void the_description_has_the_members_of_the_protocol(void **state)
                                          "seconds",
                                          "eta_seconds",
                                          "worker_seconds",
+                                         "cpu_seconds",
                                          "rays",
                                          "invariants",
                                          "plan",

@@ -68,7 +68,7 @@ static void dials_and_presets_are_those_of_the_table(void **state)
     (void)state;
     cJSON *job = load("schema/job.json");
     char path[128];
-    int members = 1; // the preset
+    int members = 3; // the preset, time and error
     for (int d = 0; d < GLINT_DIAL_COUNT; d++) {
         const struct glint_dial_row *row = &glint_dial_table[d];
         snprintf(path, sizeof path, "properties/%s/properties/%s", row->parent, row->name);

@@ -1,0 +1,121 @@
+"""Choosing by price: fronts of scenes, and jobs that say what they may take or must reach."""
+import json
+
+import tap
+from daemon import ROOM, Daemon
+from lasting import Lasting
+
+EXACT = {"accuracy": {"preset": "reference"}, "max_bounces": 16}
+ROUGH = {"accuracy": {"gi": "none"}, "max_bounces": 1}
+
+
+def point(settings, seconds, variance, bias, row=""):
+    return {"settings": settings, "seconds": seconds, "rays": 5, "variance": variance,
+            "bias": bias, "row": row}
+
+
+# Measured by nobody: what is picked can be said beforehand.
+FRONT = {"points": [point(EXACT, 1e-5, 1, 0, "exact"), point(ROUGH, 1e-6, 0.5, 0.1, "rough")]}
+SMALL = {"scene": "room", "resolution": [32, 16], "outputs": ["beauty"]}
+
+
+def put_front(daemon, front, scene="room"):
+    return daemon.ask("PUT", f"/v1/scenes/{scene}/front", json.dumps(front),
+                      {"Content-Type": "application/json"})
+
+
+def finished(daemon, **job):
+    ident = daemon.submit(**SMALL, **job)
+    daemon.until(ident, lambda j: j["state"] == "done")
+    return daemon.job(ident)
+
+
+def test_a_scene_has_the_front_of_its_class_until_it_is_given_one():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        first = daemon.get("/v1/scenes/room/front").json()
+        assert (first["from"], first["class"], first["current"]) == ("class", "plain", False)
+        assert len(first["front"]["points"]) >= 5
+        assert put_front(daemon, FRONT).status == 201
+        own = daemon.get("/v1/scenes/room/front").json()
+        assert own["from"] == "scene" and own["front"] == FRONT and not own["current"]
+        revision = daemon.get("/v1/scenes/room").json()["revision"]
+        assert put_front(daemon, {**FRONT, "revision": revision}).status == 200
+        assert daemon.get("/v1/scenes/room/front").json()["current"]
+        assert daemon.delete("/v1/scenes/room").status == 204
+        assert daemon.get("/v1/scenes/room/front").status == 404
+        daemon.put("room", ROOM)
+        assert daemon.get("/v1/scenes/room/front").json()["from"] == "class"
+
+
+def test_what_is_wrong_with_a_front_is_named():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        assert put_front(daemon, FRONT, "attic").status == 404
+        bad = put_front(daemon, {"points": [point({"max_bounces": 5000}, -1, 1, 0)]})
+        assert bad.status == 422
+        assert set(bad.pointers()) == {"/points/0/settings", "/points/0/seconds"}
+        assert daemon.get("/v1/scenes/room/front").json()["from"] == "class"
+
+
+def test_settings_are_picked_from_the_front_and_told():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        put_front(daemon, FRONT)
+        # 512 pixels: an exact sample costs 5.1 ms of a worker, a rough one a tenth.
+        loose = finished(daemon, accuracy={"error": 0.3})
+        assert loose["chosen"]["row"] == "rough" and loose["chosen"]["from"] == "scene"
+        assert loose["chosen"]["known_bias"] == 0.1 and loose["chosen"]["expected_error"] <= 0.3
+        assert loose["job"]["accuracy"]["gi"] == "none" and loose["job"]["max_bounces"] == 1
+        assert abs(loose["job"]["stop"]["error"] ** 2 - (0.3 ** 2 - 0.1 ** 2)) < 1e-9
+        assert loose["error"] <= 0.3 and "samples" not in loose["job"]["stop"]
+        tight = finished(daemon, accuracy={"error": 0.09}, stop={"samples": 32})
+        assert tight["chosen"]["row"] == "exact" and tight["job"]["accuracy"]["gi"] == "path"
+        assert tight["chosen"]["settings"]["max_bounces"] == 16
+        pinned = finished(daemon, accuracy={"time": 0.05, "gi": "path"})
+        assert pinned["chosen"]["row"] == "exact" and pinned["chosen"]["expected_seconds"] == 0.05
+        refused = daemon.post({**SMALL, "accuracy": {"error": 0.05, "gi": "none"}})
+        assert refused.status == 422 and refused.pointers() == ["/accuracy/error"]
+        assert "chosen" not in finished(daemon, stop={"samples": 1})
+
+
+def test_what_a_job_cannot_have_picked_is_a_fault():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        both = daemon.post({**SMALL, "accuracy": {"time": 1, "error": 0.1}})
+        assert both.status == 422 and both.pointers() == ["/accuracy/error"]
+        assert daemon.post({**SMALL, "accuracy": {"time": 0}}).pointers() == ["/accuracy/time"]
+        assert daemon.post({**SMALL, "accuracy": {"time": 1}, "live": True}).status == 422
+        part = daemon.post({**SMALL, "accuracy": {"error": 1}, "sample_range": [0, 4]})
+        assert part.status == 422 and "/accuracy" in part.pointers()
+
+
+def test_a_time_is_held():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        for _ in range(2):
+            job = finished(daemon, accuracy={"time": 1})
+            assert 0.9 <= job["seconds"] <= 1.1, job["seconds"]
+            assert job["chosen"]["from"] == "class" and job["samples"] > 16
+
+
+def test_the_choice_and_its_front_are_there_after_a_kill():
+    with Lasting() as d:
+        d.put("room", ROOM)
+        put_front(d, FRONT)
+        job = d.post({**SMALL, "accuracy": {"error": 0.3}},
+                     {"Idempotency-Key": "once"}).json()["id"]
+        d.until(job, lambda j: j["state"] == "done")
+        before = d.job(job)
+        put_front(d, {"points": [point(EXACT, 1e-5, 1, 0, "other")]})
+        d.kill()
+        d.start()
+        assert d.job(job)["chosen"] == before["chosen"]
+        assert d.job(job)["job"] == before["job"]
+        assert d.get("/v1/scenes/room/front").json()["front"]["points"][0]["row"] == "other"
+        again = d.post({**SMALL, "accuracy": {"error": 0.3}}, {"Idempotency-Key": "once"})
+        assert again.status == 202 and again.json()["id"] == job  # though it would pick another
+
+
+if __name__ == "__main__":
+    tap.main()
