@@ -4,6 +4,22 @@ CLI_LIBS = libglintcli.a $(PROTOCOL_LIBS) $(CURL_LIBS)
 
 noinst_LIBRARIES += libglintcli.a
 libglintcli_a_SOURCES = \
+	clients/cli/accuracy_ask.c clients/cli/accuracy_ask.h \
+	clients/cli/accuracy_csv.c clients/cli/accuracy_csv.h \
+	clients/cli/accuracy_files.c clients/cli/accuracy_files.h \
+	clients/cli/accuracy_image.c clients/cli/accuracy_image.h \
+	clients/cli/accuracy_mean.c clients/cli/accuracy_mean.h \
+	clients/cli/accuracy_metric.c clients/cli/accuracy_metric.h \
+	clients/cli/accuracy_pages.c \
+	clients/cli/accuracy_pictures.c \
+	clients/cli/accuracy_plan.c clients/cli/accuracy_plan.h \
+	clients/cli/accuracy_plot.c clients/cli/accuracy_plot.h \
+	clients/cli/accuracy_render.c clients/cli/accuracy_render.h \
+	clients/cli/accuracy_report.h \
+	clients/cli/accuracy_run.c clients/cli/accuracy_run.h \
+	clients/cli/accuracy_stat.c clients/cli/accuracy_stat.h \
+	clients/cli/accuracy_sum.c \
+	clients/cli/cmd_accuracy.c \
 	clients/cli/adjust.c clients/cli/adjust.h \
 	clients/cli/bundle.c clients/cli/bundle.h \
 	clients/cli/client.c clients/cli/client.h \

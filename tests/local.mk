@@ -56,6 +56,10 @@ UNIT_TESTS = \
 	tests/unit/test_film_file \
 	tests/unit/test_folders \
 	tests/unit/test_forecast \
+	tests/unit/test_front \
+	tests/unit/test_knobs \
+	tests/unit/test_accuracy_metric \
+	tests/unit/test_accuracy_stat \
 	tests/unit/test_frame \
 	tests/unit/test_frames \
 	tests/unit/test_http \
@@ -231,6 +235,8 @@ served = tests/unit/http_fixture.c tests/unit/http_fixture.h tests/unit/fake_hou
 	tests/unit/fake_house.h
 tests_unit_test_http_SOURCES = tests/unit/test_http.c $(served)
 tests_unit_test_http_streams_SOURCES = tests/unit/test_http_streams.c $(served)
+tests_unit_test_accuracy_metric_LDADD = libglintcli.a $(LDADD)
+tests_unit_test_accuracy_stat_LDADD = libglintcli.a $(LDADD)
 tests_clients_test_sse_LDADD = libglintcli.a $(LDADD)
 tests_clients_test_tev_packet_LDADD = libglintcli.a $(LDADD)
 tests_clients_test_uri_LDADD = libglintcli.a $(LDADD)
@@ -240,6 +246,7 @@ SCRIPT_TESTS = \
 	tests/clients/blender_recolour.py \
 	tests/clients/cli_completion.py \
 	tests/clients/cli_daemon.py \
+	tests/clients/cli_accuracy.py \
 	tests/clients/cli_bundle.py \
 	tests/clients/cli_identity.py \
 	tests/clients/cli_merge.py \
@@ -252,6 +259,7 @@ SCRIPT_TESTS = \
 	tests/clients/demo_scene.py \
 	tests/clients/viewer.py \
 	tests/clients/walkthrough.py \
+	tests/http/test_accuracy.py \
 	tests/http/test_auth.py \
 	tests/http/test_contract.py \
 	tests/http/test_daemon.py \

@@ -11,10 +11,11 @@
 #define EXIT_CANCELLED 130 // as a shell reports a program that Ctrl-C ended
 
 static const struct glint_command *const commands[] = {
-    &glint_command_render, &glint_command_submit,  &glint_command_put,    &glint_command_scenes,
-    &glint_command_update, &glint_command_jobs,    &glint_command_watch,  &glint_command_top,
-    &glint_command_get,    &glint_command_cancel,  &glint_command_mattes, &glint_command_matte,
-    &glint_command_pick,   &glint_command_recolor, &glint_command_plan,   &glint_command_merge,
+    &glint_command_render,   &glint_command_submit,  &glint_command_put,    &glint_command_scenes,
+    &glint_command_update,   &glint_command_jobs,    &glint_command_watch,  &glint_command_top,
+    &glint_command_get,      &glint_command_cancel,  &glint_command_mattes, &glint_command_matte,
+    &glint_command_pick,     &glint_command_recolor, &glint_command_plan,   &glint_command_merge,
+    &glint_command_accuracy,
 };
 #define COMMANDS (sizeof commands / sizeof *commands)
 

@@ -20,7 +20,7 @@ documents() {
 
 documents glintd.8 "$GLINTD"
 for command in render submit put scenes update jobs watch top get cancel mattes matte pick recolor \
-    plan merge; do
+    plan merge accuracy; do
     documents glint.1 "$GLINT" $command
 done
 
