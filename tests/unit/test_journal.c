@@ -188,11 +188,26 @@ static void a_fault_undoes_nothing_of_others_in_the_same_transaction(void **stat
     glint_journal_destroy(&crowd.journal);
 }
 
+static void what_the_first_version_lacks_is_added(void **state)
+{
+    (void)state;
+    glint_journal *journal = open_journal();
+    const struct glint_statement none = {.sql = "DROP TABLE front"},
+                                 older = {.sql = "PRAGMA user_version=1"},
+                                 fronts = {.sql = "SELECT scene, text FROM front"};
+    assert_int_equal(glint_journal_commit(journal, &none, 1, NULL), GLINT_OK);
+    assert_int_equal(glint_journal_read(journal, &older, NULL, NULL, NULL), GLINT_OK);
+    glint_journal_destroy(&journal);
+    journal = open_journal();
+    assert_int_equal(glint_journal_read(journal, &fronts, NULL, NULL, NULL), GLINT_OK);
+    glint_journal_destroy(&journal);
+}
+
 static void an_unknown_version_is_refused(void **state)
 {
     (void)state;
     glint_journal *journal = open_journal();
-    const struct glint_statement newer = {.sql = "PRAGMA user_version=2"};
+    const struct glint_statement newer = {.sql = "PRAGMA user_version=99"};
     assert_int_equal(glint_journal_read(journal, &newer, NULL, NULL, NULL), GLINT_OK);
     glint_journal_destroy(&journal);
     struct glint_error err = {0};
@@ -240,6 +255,7 @@ int main(void)
         WITH_FOLDER(values_come_back_as_they_went),
         WITH_FOLDER(columns_of_another_kind_read_as_nothing),
         WITH_FOLDER(a_fault_undoes_nothing_of_others_in_the_same_transaction),
+        WITH_FOLDER(what_the_first_version_lacks_is_added),
         WITH_FOLDER(an_unknown_version_is_refused),
         WITH_FOLDER(a_file_that_is_no_database_is_refused_and_stays),
         cmocka_unit_test(a_missing_folder_is_told),
