@@ -88,14 +88,15 @@ static double at_y(const struct panel *p, double value)
     return TOP + HEIGHT * (1 - fmin(fmax(share, 0), 1));
 }
 
-// 1, 2 and 5 of each decade where there is room for them.
+// The least of each decade, or some of it where there is room for them.
 static void draw_ticks(struct glint_text *t, const struct panel *p, bool upright)
 {
     const struct axis *a = upright ? &p->y : &p->x;
-    const double steps[] = {1, 2, 5};
-    const bool dense = a->high - a->low < 2.2;
+    static const double steps[] = {1, 2, 5, 3, 1.5, 4, 7};
+    const double decades = a->high - a->low;
+    const int count = decades > 2.2 ? 1 : decades > 0.9 ? 3 : 7;
     for (int e = (int)floor(a->low); e <= (int)ceil(a->high); e++)
-        for (int s = 0; s < (dense ? 3 : 1); s++) {
+        for (int s = 0; s < count; s++) {
             const double value = steps[s] * pow(10, e);
             if (log10(value) < a->low || log10(value) > a->high)
                 continue;

@@ -100,7 +100,7 @@ static glint_status fetch_frame(struct glint_session *s, const char *id, struct 
     glint_status st = glint_memory_file_open(&file, err);
     if (st)
         return st;
-    char *path = glint_client_path("/v1/jobs/", id, "/frame.exr?wait=done");
+    char *path = glint_client_path("/v1/jobs/", id, "/frame.exr?wait=done&pixels=float");
     const struct glint_request request = {.method = "GET",
                                           .path = path,
                                           .receive = glint_memory_file_write,
