@@ -35,6 +35,7 @@ UNIT_TESTS = \
 	tests/render/test_matte_names \
 	tests/render/test_mattes \
 	tests/render/test_motion \
+	tests/render/test_precision \
 	tests/render/test_resident \
 	tests/render/test_transport \
 	tests/unit/test_ahead \
@@ -54,6 +55,7 @@ UNIT_TESTS = \
 	tests/unit/test_exr \
 	tests/unit/test_film \
 	tests/unit/test_film_file \
+	tests/unit/test_film_tiles \
 	tests/unit/test_folders \
 	tests/unit/test_forecast \
 	tests/unit/test_front \
@@ -153,6 +155,7 @@ tests_render_test_flow_SOURCES = tests/render/test_flow.c $(moving)
 tests_render_test_motion_SOURCES = tests/render/test_motion.c $(moving)
 tests_render_test_features_SOURCES = tests/render/test_features.c $(stable)
 tests_render_test_many_lights_SOURCES = tests/render/test_many_lights.c $(stable)
+tests_render_test_precision_SOURCES = tests/render/test_precision.c $(stable)
 tests_render_test_resident_SOURCES = tests/render/test_resident.c $(stable)
 tests_stability_test_degenerate_SOURCES = tests/stability/test_degenerate.c $(stable)
 tests_stability_test_demo_SOURCES = tests/stability/test_demo.c $(stable)
@@ -302,7 +305,8 @@ dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
 	tests/sanitizers/lsan.supp tests/sanitizers/tsan.supp tests/stability/rows \
 	tests/stability/programs.py tests/stability/table.py tests/tap.py
 
-dist_check_SCRIPTS += tests/mutation/run
+dist_check_SCRIPTS += tests/mutation/run tests/bench/effects_table
+EXTRA_DIST += docs/effects/README.md docs/effects/effects.json
 dist_check_DATA += tests/kernel/matte_double.h tests/mutation/faults.toml tests/mutation/filter.c tests/mutation/table.py
 
 TEST_EXTENSIONS = .py .sh

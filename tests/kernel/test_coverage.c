@@ -1,5 +1,6 @@
 // How far coverage follows a path: Eq. 2 to 7 against their plain forms in double precision.
 #include "kernels/gk_coverage.h"
+#include "kernels/gk_hit.h"
 #include "tests/kernel/check.h"
 
 #include <stdlib.h>
@@ -274,6 +275,19 @@ static void a_chain_of_carries_is_double_precision_to_a_unit_a_vertex(void **sta
     }
 }
 
+// A ball of 4 m, half the size of its mesh: 1/4 from outside, -1/4 from inside.
+static void a_surface_that_bulges_is_hollow_from_its_other_side(void **state)
+{
+    (void)state;
+    const struct gk_triangle triangle = {.flags = gk_as_u32(0.125f) & GK_TRIANGLE_CURVATURE};
+    const struct gk_instance instance = {.shrink = 2.0f};
+    const struct gk_resident scene = {.triangle = &triangle, .instance = &instance};
+    struct gk_hit hit = {.cos_g = -0.5f};
+    assert_true(gk_hit_curvature(&scene, &hit) == 0.25f);
+    hit.cos_g = 0.5f;
+    assert_true(gk_hit_curvature(&scene, &hit) == -0.25f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -290,6 +304,7 @@ int main(void)
         cmocka_unit_test(the_clamp_keeps_a_cone_from_focusing_below_its_straight_width),
         cmocka_unit_test(a_cone_refracts_as_one_face_of_a_lens_does),
         cmocka_unit_test(what_goes_on_is_never_more_than_there_is),
+        cmocka_unit_test(a_surface_that_bulges_is_hollow_from_its_other_side),
         cmocka_unit_test(a_chain_of_carries_is_double_precision_to_a_unit_a_vertex),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -263,6 +263,25 @@ static void the_last_indirect_slot_goes_without_an_heir(void **state)
     assert_true(kept(table, SLOTS) == 9 + 5 + 11 * 100 + 55);
 }
 
+// Over all draws: 4096 of them, evenly spread, are won by the share that the newcomer's amount has of
+// both.
+static void a_newcomer_wins_by_the_odds_of_his_part(void **state)
+{
+    (void)state;
+    static const gk_u64 amount[][2] = {
+        {1, 1}, {3, 1}, {1, 3}, {65536, 65536}, {7u * 65536u, 65536}, {1ull << 39, 1ull << 39}};
+    for (size_t i = 0; i < sizeof amount / sizeof *amount; i++) {
+        const gk_u64 held = amount[i][0], more = amount[i][1];
+        gk_u64 won = 0;
+        for (gk_u32 draw = 0; draw < 4096; draw++) {
+            gk_u64 slot = gk_matte_pack(BOUNCED(1), 0, held);
+            gk_matte_join(&slot, BOUNCED(2), 0, more, draw << 20);
+            won += gk_matte_key(slot) == BOUNCED(2);
+        }
+        assert_int_equal(won, 4096 * more / (held + more));
+    }
+}
+
 enum { CROWD = 40, ROUNDS = 400, TAKES = 600 };
 
 // 40 mattes with shares 1/rank over 12 slots: the sum of any ten is right on average.
@@ -402,6 +421,7 @@ int main(void)
         cmocka_unit_test(bounces_change_nothing_of_what_is_seen_directly),
         cmocka_unit_test(a_direct_newcomer_hands_what_it_evicts_to_the_next),
         cmocka_unit_test(the_last_indirect_slot_goes_without_an_heir),
+        cmocka_unit_test(a_newcomer_wins_by_the_odds_of_his_part),
         cmocka_unit_test(unbiased_space_saving_is_unbiased),
         cmocka_unit_test(fixed_point_is_double_precision_to_2_to_the_minus_17_a_deposit),
         cmocka_unit_test(a_full_counter_saturates_and_counts_the_rest),

@@ -1,0 +1,124 @@
+// Sums of tiles added up word for word, and rectangles of tiles read pixel for pixel.
+#include "kernels/gk_film.h"
+#include "protocol/film.h"
+#include "protocol/film_add.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+enum { WORDS = GK_PLANES_BASE * GK_TILE_PIXELS, COLUMNS = 3, ROWS = 3 };
+
+static struct glint_job job = {
+    .width = 60,
+    .height = 50,
+    .region = {5, 3, 40, 35}, // the last tiles of rows and columns are cut
+    .outputs = GLINT_OUT_BEAUTY,
+    .dial = {[GLINT_DIAL_PRECISION] = 1},
+};
+static const struct glint_film_info info = {.job = &job, .software = "s", .revision = "r"};
+
+static float *red(float *planes)
+{
+    return planes + GK_PLANE_COLOUR * GK_TILE_PIXELS;
+}
+
+// Addends whose sum takes three floats.
+static float addend(int i)
+{
+    return ldexpf(1.0f + (float)(i * 37 % 101) / 128.0f, -20 * (i % 4));
+}
+
+static void films_add_up_to_the_words_of_one(void **state)
+{
+    (void)state;
+    static float one[WORDS], a[WORDS], b[WORDS];
+    const uint32_t pixel = 77;
+    for (int i = 0; i < 200; i++) {
+        gk_film_add(red(one), pixel, addend(i));
+        gk_film_add(red(i % 3 ? a : b), pixel, addend(i));
+    }
+    assert_true(red(one)[pixel + 2 * GK_TILE_PIXELS] != 0.0f);
+    glint_film_add_planes(&info, a, pixel, b, pixel);
+    for (int k = 0; k < GK_SUM_PLANES; k++)
+        assert_memory_equal(&red(a)[pixel + (uint32_t)k * GK_TILE_PIXELS],
+                            &red(one)[pixel + (uint32_t)k * GK_TILE_PIXELS], 4);
+}
+
+// ---- rectangles
+
+// Every pixel of the region holds its own number, one sample of half A.
+static float tiles[COLUMNS * ROWS][WORDS];
+
+static float number_of(uint32_t x, uint32_t y)
+{
+    return (float)(1 + y * job.width + x);
+}
+
+static void fill(void)
+{
+    for (uint32_t t = 0; t < COLUMNS * ROWS; t++)
+        for (uint32_t i = 0; i < GK_TILE_PIXELS; i++)
+            red(tiles[t])[i] =
+                number_of(job.region[0] + t % COLUMNS * GK_TILE_SIDE + i % GK_TILE_SIDE,
+                          job.region[1] + t / COLUMNS * GK_TILE_SIDE + i / GK_TILE_SIDE);
+}
+
+static glint_status begin(void *user, uint32_t tile, struct glint_film_pixels *out,
+                          struct glint_error *err)
+{
+    (void)user;
+    (void)err;
+    assert_in_range(tile, 0, COLUMNS * ROWS - 1);
+    *out = (struct glint_film_pixels){.planes = tiles[tile], .half = {1, 0}};
+    return GLINT_OK;
+}
+
+static void end(void *user, uint32_t tile)
+{
+    (void)user;
+    (void)tile;
+}
+
+static void check_rectangle(const uint32_t rect[4])
+{
+    const struct glint_film_source source = {
+        .info = &info, .complete = true, .begin = begin, .end = end};
+    struct glint_frame *frame;
+    uint32_t samples;
+    assert_int_equal(glint_film_frame(&source, rect, GLINT_OUT_BEAUTY, &frame, &samples, NULL),
+                     GLINT_OK);
+    assert_int_equal(samples, 1);
+    const float *r = glint_frame_find(frame, "R");
+    for (uint32_t y = 0; y < rect[3]; y++)
+        for (uint32_t x = 0; x < rect[2]; x++)
+            assert_true(r[y * rect[2] + x] == number_of(rect[0] + x, rect[1] + y));
+    glint_frame_destroy(&frame);
+}
+
+static void every_rectangle_has_the_pixels_of_its_tiles(void **state)
+{
+    (void)state;
+    const uint32_t *r = job.region;
+    fill();
+    for (uint32_t first = 0; first < r[2]; first++)
+        for (uint32_t last = first; last < r[2]; last += 3)
+            check_rectangle((uint32_t[]){r[0] + first, r[1], last - first + 1, 1});
+    for (uint32_t first = 0; first < r[3]; first++)
+        for (uint32_t last = first; last < r[3]; last++)
+            check_rectangle((uint32_t[]){r[0] + 15, r[1] + first, 2, last - first + 1});
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(films_add_up_to_the_words_of_one),
+        cmocka_unit_test(every_rectangle_has_the_pixels_of_its_tiles),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
