@@ -5,26 +5,27 @@
 #include "kernels/gk_matte.h"
 #include "kernels/gk_wave.h"
 
-// The table of one pixel while deposits come in; the last word counts what found no slot.
+// The table of one pixel while deposits come in.
 struct gk_pixel_table {
     __global gk_u64 *table;
     gk_u32 slots, policy, salt;
     gk_u32 waits; // GK_COL_WAITS of the run under way
-    gk_u64 amount, lost;
+    gk_u64 amount;
+    struct gk_matte_lost lost;
 };
 
 GK_INLINE struct gk_pixel_table gk_pixel_table_at(__global gk_u64 *table, gk_u32 slots,
                                                   gk_u32 policy, gk_u32 salt)
 {
-    const struct gk_pixel_table t = {table, slots, policy, salt, 0u, 0, 0};
+    const struct gk_pixel_table t = {table, slots, policy, salt, 0u, 0, {0, 0}};
     return t;
 }
 
 GK_INLINE void gk_pixel_flush(struct gk_pixel_table *t)
 {
     t->salt = gk_mix32(t->salt + 1u);
-    t->lost += gk_matte_deposit(t->table, t->slots, t->waits & GK_WAITS_KEY, t->waits >> 31,
-                                t->amount, t->policy, t->salt);
+    gk_matte_deposit(t->table, t->slots, t->waits & GK_WAITS_KEY, t->waits >> 31, t->amount,
+                     t->policy, t->salt, &t->lost);
     t->amount = 0;
 }
 
@@ -38,22 +39,32 @@ GK_INLINE void gk_pixel_deposit(struct gk_pixel_table *t, gk_u32 waits, gk_u32 a
     t->amount += taken;
 }
 
+GK_INLINE void gk_table_lose(__global gk_u64 *table, gk_u32 slots,
+                             const struct gk_matte_lost *lost)
+{
+    table[slots + GK_MATTE_LOST_PRIMARY] += lost->primary;
+    table[slots + GK_MATTE_LOST_BOUNCED] += lost->bounced;
+}
+
 GK_INLINE void gk_pixel_finish(struct gk_pixel_table *t)
 {
     gk_pixel_flush(t);
-    t->table[t->slots] += t->lost;
+    gk_table_lose(t->table, t->slots, &t->lost);
 }
 
 // waits: GK_COL_WAITS, 0: nothing is deposited.
 GK_INLINE void gk_path_deposit(__global gk_u64 *table, gk_u32 slots, gk_u32 waits, gk_u32 amount,
                                gk_u32 policy, gk_u32 salt)
 {
-    if (waits != 0u && amount > 0u)
-        table[slots] += gk_matte_deposit(table, slots, waits & GK_WAITS_KEY, waits >> 31, amount,
-                                         policy, gk_mix32(salt));
+    struct gk_matte_lost lost = {0, 0};
+    if (waits == 0u || amount == 0u)
+        return;
+    gk_matte_deposit(table, slots, waits & GK_WAITS_KEY, waits >> 31, amount, policy,
+                     gk_mix32(salt), &lost);
+    gk_table_lose(table, slots, &lost);
 }
 
-// tables: [256][slots + 1], from `offset` slots on. lane: of the tile's first pixel; step: lanes from
+// tables: [256][slots + GK_MATTE_LOST_WORDS], from `offset` slots on. lane: of the tile's first pixel; step: lanes from
 // one sample of a pixel to the next. salt: new for each launch on a tile.
 __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32 stride,
                                const gk_u32 n, const gk_u32 lane, const gk_u32 step,
@@ -65,7 +76,7 @@ __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32
     if (i >= n)
         return;
     struct gk_pixel_table t =
-        gk_pixel_table_at(tables + offset + i * (slots + 1u), slots, policy, gk_mix32(salt ^ i));
+        gk_pixel_table_at(tables + offset + i * (slots + GK_MATTE_LOST_WORDS), slots, policy, gk_mix32(salt ^ i));
     for (gk_u32 s = 0; s < samples; s++)
         gk_pixel_deposit(&t, GK_LOAD_U32(GK_COL_KEY, lane + i + s * step) | GK_WAITS_DIRECT,
                          GK_MATTE_ONE);
@@ -74,7 +85,8 @@ __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32
 
 #ifdef GK_THROUGH
 // What the vertices just shaded have left for the mattes: of the first n paths, one item in all,
-// because any of them may share a pixel. tables: [pixels][slots + 1]; pixels: of the block, a power
+// because any of them may share a pixel. tables: [pixels][slots +
+// GK_MATTE_LOST_WORDS]; pixels: of the block, a power
 // of two. salt: new for each launch on a block.
 __kernel void deposit_carried(const __global float *restrict wave, const gk_u32 stride,
                               const gk_u32 n, const gk_u32 pixels, __global gk_u64 *restrict tables,
@@ -84,11 +96,34 @@ __kernel void deposit_carried(const __global float *restrict wave, const gk_u32 
         return;
     for (gk_u32 i = 0; i < n; i++) {
         const gk_u32 lane = GK_LOAD_U32(GK_COL_LANE, i);
-        __global gk_u64 *table = tables + (lane & (pixels - 1u)) * (slots + 1u);
+        __global gk_u64 *table = tables + (lane & (pixels - 1u)) * (slots + GK_MATTE_LOST_WORDS);
         gk_path_deposit(table, slots, GK_LOAD_U32(GK_COL_DEPOSIT0, i),
                         GK_LOAD_U32(GK_COL_AMOUNT0, i), policy, salt ^ 2u * lane);
         gk_path_deposit(table, slots, GK_LOAD_U32(GK_COL_DEPOSIT1, i),
                         GK_LOAD_U32(GK_COL_AMOUNT1, i), policy, salt ^ (2u * lane + 1u));
+    }
+}
+#endif
+
+#ifdef GK_PATH_LIST
+// Eq. 8 with a list of all that a path has met: what it meets again takes nothing more. Of the first n
+// paths; list: by lane, [rows][stride], what follows the last entry is 0; rows: more than a path has
+// vertices, by 1.
+__kernel void forget_repeated(__global float *restrict wave, const gk_u32 stride, const gk_u32 n,
+                              __global gk_u32 *restrict list, const gk_u32 rows)
+{
+    const gk_u32 i = (gk_u32)get_global_id(0);
+    const gk_u32 met = i < n ? GK_LOAD_U32(GK_COL_MET, i) : 0u;
+    if (met == 0u)
+        return;
+    __global gk_u32 *entry = list + GK_LOAD_U32(GK_COL_LANE, i);
+    for (gk_u32 k = 2u; k < rows && *entry != 0u && *entry != met; k++)
+        entry += stride;
+    if (*entry == met) {
+        GK_STORE_U32(GK_COL_DEPOSIT0, i, 0u);
+    } else {
+        *entry = met;
+        entry[stride] = 0u;
     }
 }
 #endif

@@ -25,6 +25,7 @@ struct gk_transport {
     struct gk_cone cone;
     struct gk_deposit before, last; // of this vertex
     gk_u32 excess;
+    gk_u32 met; // matte of this vertex, 0: none
 };
 
 // Before the first vertex a path has neither spread nor a deposit that waits: its columns are not read.
@@ -48,7 +49,7 @@ GK_INLINE struct gk_transport gk_transport_load(const GK_GLOBAL gk_f32 *wave, gk
     t.cone.r = GK_LOAD(GK_COL_RADIUS, i);
     t.cone.g = GK_LOAD(GK_COL_SLOPE, i);
 #endif
-    t.before.key = t.before.amount = t.last.key = t.last.amount = t.excess = 0u;
+    t.before.key = t.before.amount = t.last.key = t.last.amount = t.excess = t.met = 0u;
     return t;
 }
 
@@ -73,6 +74,9 @@ GK_INLINE void gk_transport_store(GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_u32 
     GK_STORE_U32(GK_COL_DEPOSIT1, i, t->last.key);
     GK_STORE_U32(GK_COL_AMOUNT1, i, t->last.amount);
     GK_STORE_U32(GK_COL_EXCESS, i, t->excess);
+#ifdef GK_PATH_LIST
+    GK_STORE_U32(GK_COL_MET, i, t->met);
+#endif
 }
 
 // Of a camera ray.

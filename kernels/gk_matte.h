@@ -17,18 +17,23 @@
 #define GK_MATTE_BASE_KEY 0x7ffffu // 0 what is seen directly, 1.. what bounces have brought
 #define GK_MATTE_MAX_AMOUNT ((gk_u64)0xffffffffff) // GLINT_MAX_SAMPLES whole samples, less one unit
 #define GK_MATTE_ONE 65536u                        // a whole sample
+// Behind the slots of a table: units that found none, of what is seen directly and of the others.
+#define GK_MATTE_LOST_PRIMARY 0u
+#define GK_MATTE_LOST_BOUNCED 1u
+#define GK_MATTE_LOST_WORDS 2u
 
 // What a full table does with a key it does not hold. Class 0 is never called after another nor given
 // what is another's: it takes the least slot of the classes above, and where there is none it is
 // lost. Of the others:
-#define GK_MATTE_DROP 0u         // the newcomer is lost
-#define GK_MATTE_DIRECT_FIRST 1u // a direct one replaces the least that is not
+#define GK_MATTE_EXACT 0u        // none comes: there is a slot for every key of the scene
+#define GK_MATTE_DROP 1u         // the newcomer is lost
+#define GK_MATTE_DIRECT_FIRST 2u // a direct one replaces the least that is not
 // The newcomer joins the least slot, which is called after him by the odds of his part: unbiased
 // space saving, Ting 2018. Nothing is lost and every matte is right on average.
-#define GK_MATTE_USS 2u
+#define GK_MATTE_USS 3u
 // A direct one takes the least that is not, whose amount joins the next such. Without such, and where
 // they are not direct, newcomers join the least of their like; with none of these they are lost.
-#define GK_MATTE_USS_DIRECT_FIRST 3u
+#define GK_MATTE_USS_DIRECT_FIRST 4u
 
 GK_INLINE gk_u32 gk_matte_key(gk_u64 slot)
 {
@@ -148,46 +153,60 @@ GK_INLINE gk_u32 gk_matte_victim(const struct gk_matte_search *s, gk_u32 key, gk
 GK_INLINE gk_u32 gk_matte_like(const GK_GLOBAL gk_u64 *table, const struct gk_matte_search *s,
                                gk_u32 key, gk_u32 direct, gk_u32 policy)
 {
-    if (gk_matte_primary(key) || policy == GK_MATTE_DROP || policy == GK_MATTE_DIRECT_FIRST)
+    if (gk_matte_primary(key) || policy <= GK_MATTE_DIRECT_FIRST)
         return GK_MATTE_NOWHERE;
     if (policy == GK_MATTE_USS)
         return gk_matte_lesser(table, s->indirect, s->direct);
     return direct ? s->direct : s->indirect;
 }
 
-// A full table takes a key that it does not hold. Returns the units lost.
-GK_INLINE gk_u64 gk_matte_crowd(GK_GLOBAL gk_u64 *table, gk_u32 slots, gk_u32 key, gk_u32 direct,
-                                gk_u64 amount, gk_u32 policy, gk_u32 random)
+// Units that found no slot, of class 0 and of those above.
+struct gk_matte_lost {
+    gk_u64 primary, bounced;
+};
+
+GK_INLINE void gk_matte_lose(struct gk_matte_lost *lost, gk_u32 key, gk_u64 amount)
+{
+    const gk_i32 primary = gk_matte_primary(key);
+    lost->primary += primary ? amount : 0u;
+    lost->bounced += primary ? 0u : amount;
+}
+
+// A full table takes a key that it does not hold.
+GK_INLINE void gk_matte_crowd(GK_GLOBAL gk_u64 *table, gk_u32 slots, gk_u32 key, gk_u32 direct,
+                              gk_u64 amount, gk_u32 policy, gk_u32 random,
+                              struct gk_matte_lost *lost)
 {
     struct gk_matte_search s = gk_matte_find(table, slots, key);
     const gk_u32 victim = gk_matte_victim(&s, key, direct, policy);
-    gk_u64 left = 0;
     if (victim != GK_MATTE_NOWHERE) { // then it is the one without a place
         const gk_u64 before = table[victim];
         table[victim] = 0;
-        left = gk_matte_add(&table[victim], key, direct, amount);
+        gk_matte_lose(lost, key, gk_matte_add(&table[victim], key, direct, amount));
         key = gk_matte_key(before);
         direct = gk_matte_direct(before);
         amount = gk_matte_amount(before);
         s = gk_matte_find(table, slots, key);
     }
     const gk_u32 like = gk_matte_like(table, &s, key, direct, policy);
-    if (like == GK_MATTE_NOWHERE)
-        return left + amount;
-    return left + gk_matte_join(&table[like], key, direct, amount, random);
+    if (like != GK_MATTE_NOWHERE)
+        amount = gk_matte_join(&table[like], key, direct, amount, random);
+    gk_matte_lose(lost, key, amount);
 }
 
 // Deposits `amount` units of `key` (1..GK_MATTE_MAX_KEY; direct: 0 or 1) in the table of `slots`
-// slots, at least 1. random: any 32 bits, new for each deposit. Returns the units lost.
-GK_INLINE gk_u64 gk_matte_deposit(GK_GLOBAL gk_u64 *table, gk_u32 slots, gk_u32 key, gk_u32 direct,
-                                  gk_u64 amount, gk_u32 policy, gk_u32 random)
+// slots, at least 1. random: any 32 bits, new for each deposit. Adds to *lost what finds no slot.
+GK_INLINE void gk_matte_deposit(GK_GLOBAL gk_u64 *table, gk_u32 slots, gk_u32 key, gk_u32 direct,
+                                gk_u64 amount, gk_u32 policy, gk_u32 random,
+                                struct gk_matte_lost *lost)
 {
     if (amount == 0)
-        return 0;
+        return;
     const struct gk_matte_search s = gk_matte_find(table, slots, key);
     if (s.found != GK_MATTE_NOWHERE)
-        return gk_matte_add(&table[s.found], key, direct, amount);
-    return gk_matte_crowd(table, slots, key, direct, amount, policy, random);
+        gk_matte_lose(lost, key, gk_matte_add(&table[s.found], key, direct, amount));
+    else
+        gk_matte_crowd(table, slots, key, direct, amount, policy, random, lost);
 }
 
 // Units of a sample weight in [0, 1], rounded to nearest; negative and NaN give 0, more than 1 a

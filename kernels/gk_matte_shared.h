@@ -55,7 +55,7 @@ struct gk_matte_seen {
 // Puts the guest into his slot or an empty one. False: there is none; then *seen is filled.
 GK_INLINE gk_i32 gk_matte_settle(GK_SHARED gk_u64 *table, gk_u32 slots,
                                  const struct gk_matte_guest *g, struct gk_matte_seen *seen,
-                                 gk_u64 *lost)
+                                 struct gk_matte_lost *lost)
 {
     gk_u64 over;
     gk_u32 at = gk_matte_start(g->key, slots);
@@ -68,7 +68,7 @@ GK_INLINE gk_i32 gk_matte_settle(GK_SHARED gk_u64 *table, gk_u32 slots,
                 gk_matte_with(slot, g, g->key, gk_matte_direct(slot) | g->direct, &over);
             const gk_u64 found = GK_MATTE_CAS(&table[at], slot, full);
             if (found == slot) {
-                *lost += over;
+                gk_matte_lose(lost, g->key, over);
                 return 1;
             }
             slot = found;
@@ -102,7 +102,7 @@ GK_INLINE gk_u32 gk_matte_seen_victim(const struct gk_matte_seen *s, const struc
 GK_INLINE gk_u32 gk_matte_seen_like(const struct gk_matte_seen *s, const struct gk_matte_guest *g,
                                     gk_u32 policy)
 {
-    if (gk_matte_primary(g->key) || policy == GK_MATTE_DROP || policy == GK_MATTE_DIRECT_FIRST)
+    if (gk_matte_primary(g->key) || policy <= GK_MATTE_DIRECT_FIRST)
         return GK_MATTE_NOWHERE;
     const gk_i32 both = s->indirect != GK_MATTE_NOWHERE && s->direct != GK_MATTE_NOWHERE;
     const gk_i32 less = gk_matte_amount(s->direct_slot) < gk_matte_amount(s->indirect_slot);
@@ -112,27 +112,30 @@ GK_INLINE gk_u32 gk_matte_seen_like(const struct gk_matte_seen *s, const struct 
 }
 
 // As gk_matte_deposit(), for many at a time on one table.
-GK_INLINE gk_u64 gk_matte_deposit_shared(GK_SHARED gk_u64 *table, gk_u32 slots, gk_u32 key,
-                                         gk_u32 direct, gk_u64 amount, gk_u32 policy, gk_u32 random)
+GK_INLINE void gk_matte_deposit_shared(GK_SHARED gk_u64 *table, gk_u32 slots, gk_u32 key,
+                                       gk_u32 direct, gk_u64 amount, gk_u32 policy, gk_u32 random,
+                                       struct gk_matte_lost *lost)
 {
     struct gk_matte_guest g = {key, direct, amount};
     gk_i32 may_evict = 1; // who was evicted does not evict
-    gk_u64 lost = 0, over = 0;
+    gk_u64 over = 0;
     while (g.amount > 0) {
         struct gk_matte_seen s;
-        if (gk_matte_settle(table, slots, &g, &s, &lost))
-            return lost;
+        if (gk_matte_settle(table, slots, &g, &s, lost))
+            return;
         const gk_u32 victim = may_evict ? gk_matte_seen_victim(&s, &g, policy) : GK_MATTE_NOWHERE;
         const gk_u32 like = gk_matte_seen_like(&s, &g, policy);
         const gk_u32 at = victim != GK_MATTE_NOWHERE ? victim : like;
-        if (at == GK_MATTE_NOWHERE)
-            return lost + g.amount;
+        if (at == GK_MATTE_NOWHERE) {
+            gk_matte_lose(lost, g.key, g.amount);
+            return;
+        }
         const gk_u64 slot = at == s.indirect ? s.indirect_slot : s.direct_slot;
         if (victim != GK_MATTE_NOWHERE) {
             if (GK_MATTE_CAS(&table[at], slot, gk_matte_with(0, &g, g.key, g.direct, &over)) !=
                 slot)
                 continue;
-            lost += over;
+            gk_matte_lose(lost, g.key, over);
             g.key = gk_matte_key(slot);
             g.direct = gk_matte_direct(slot);
             g.amount = gk_matte_amount(slot);
@@ -142,10 +145,11 @@ GK_INLINE gk_u64 gk_matte_deposit_shared(GK_SHARED gk_u64 *table, gk_u32 slots, 
         const gk_i32 wins = gk_matte_scaled(random, gk_matte_amount(slot) + g.amount) < g.amount;
         const gk_u64 joined = gk_matte_with(slot, &g, wins ? g.key : gk_matte_key(slot),
                                             wins ? g.direct : gk_matte_direct(slot), &over);
-        if (GK_MATTE_CAS(&table[at], slot, joined) == slot)
-            return lost + over;
+        if (GK_MATTE_CAS(&table[at], slot, joined) == slot) {
+            gk_matte_lose(lost, g.key, over);
+            return;
+        }
     }
-    return lost;
 }
 
 #endif

@@ -136,6 +136,9 @@ GK_INLINE void gk_transport_arrive(struct gk_transport *t, const GK_GLOBAL struc
     t->before.key = full ? (arrives || begins ? opaque.key : 0u) : t->before.key;
     t->before.amount = full ? opaque.amount : t->before.amount;
 #endif
+#ifdef GK_PATH_LIST
+    t->met = arrives || begins ? t->waits & GK_MATTE_BASE_KEY : 0u;
+#endif
 }
 
 // Probability that the lobe which was chosen is no delta and leaves on that side.

@@ -27,11 +27,18 @@ const struct glint_dial_row glint_dial_table[GLINT_DIAL_COUNT] = {
                              {"redistribute", "opaque_full"},
                              0x1,
                              "opaque_full: Yoshimura et al. 2022, Eq. 8; sums exceed one"},
+    [GLINT_DIAL_PATH_IDS] = {"path_ids",
+                             "mattes",
+                             {"list", "previous"},
+                             0x1,
+                             "previous: with opaque_full, what a path meets again after something "
+                             "else is covered again (Yoshimura et al. 2022, Eq. 8)"},
     [GLINT_DIAL_EVICTION] = {"eviction",
                              "mattes",
-                             {"drop", "direct_first", "uss", "uss_direct_first"},
-                             0x5,
-                             "direct_first: Yoshimura et al. 2022, Alg. 1; uss: unbiased space "
+                             {"exact", "drop", "direct_first", "uss", "uss_direct_first"},
+                             0x19,
+                             "exact: a slot for every name; direct_first: Yoshimura et al. 2022, "
+                             "Alg. 1; uss: unbiased space "
                              "saving, Ting 2018"},
     [GLINT_DIAL_PRECISION] = {"precision",
                               "accuracy",

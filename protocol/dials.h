@@ -14,7 +14,8 @@ enum glint_dial {
     GLINT_DIAL_THROUGH,      // mattes.through: glossy, delta, none
     GLINT_DIAL_VARIANCE,     // mattes.variance: exact, eq3
     GLINT_DIAL_COVERAGE,     // mattes.coverage: redistribute, opaque_full
-    GLINT_DIAL_EVICTION,     // mattes.eviction: drop, direct_first, uss, uss_direct_first
+    GLINT_DIAL_PATH_IDS,     // mattes.path_ids: list, previous
+    GLINT_DIAL_EVICTION,     // mattes.eviction: exact, drop, direct_first, uss, uss_direct_first
     GLINT_DIAL_PRECISION,    // float64, float32
     GLINT_DIAL_TRAVERSAL,    // robust, fast
     GLINT_DIAL_ROULETTE,     // none, throughput
@@ -26,8 +27,10 @@ enum glint_dial {
 #define GLINT_MAX_SETTINGS 6
 
 // Settings by name, where code asks for one.
+enum { GLINT_PATH_IDS_LIST, GLINT_PATH_IDS_PREVIOUS };
 enum { GLINT_THROUGH_GLOSSY, GLINT_THROUGH_DELTA, GLINT_THROUGH_NONE };
 enum {
+    GLINT_EVICTION_EXACT,
     GLINT_EVICTION_DROP,
     GLINT_EVICTION_DIRECT_FIRST,
     GLINT_EVICTION_USS,

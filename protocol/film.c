@@ -2,6 +2,7 @@
 #include "protocol/film.h"
 
 #include "kernels/gk_film.h"
+#include "kernels/gk_matte.h"
 
 uint32_t glint_film_info_columns(const struct glint_film_info *info)
 {
@@ -22,7 +23,17 @@ size_t glint_film_info_plane_bytes(const struct glint_film_info *info)
 
 size_t glint_film_info_table_bytes(const struct glint_film_info *info)
 {
-    return info->coverage ? ((size_t)info->job->matte_slots + 1) * GK_TILE_PIXELS * 8 : 0;
+    return info->coverage ? (size_t)glint_film_info_words(info) * GK_TILE_PIXELS * 8 : 0;
+}
+
+uint32_t glint_film_info_slots(const struct glint_film_info *info)
+{
+    return glint_matte_slots(info->job, info->mattes);
+}
+
+uint32_t glint_film_info_words(const struct glint_film_info *info)
+{
+    return glint_film_info_slots(info) + GK_MATTE_LOST_WORDS;
 }
 
 bool glint_film_info_wide(const struct glint_film_info *info)

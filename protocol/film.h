@@ -34,12 +34,14 @@ uint32_t glint_film_info_columns(const struct glint_film_info *info); // tiles i
 uint32_t glint_film_info_rows(const struct glint_film_info *info);
 size_t glint_film_info_plane_bytes(const struct glint_film_info *info); // of a tile
 size_t glint_film_info_table_bytes(const struct glint_film_info *info); // 0: no coverage
+uint32_t glint_film_info_slots(const struct glint_film_info *info);     // of a pixel
+uint32_t glint_film_info_words(const struct glint_film_info *info);     // those, and what was lost
 bool glint_film_info_wide(const struct glint_film_info *info);          // sums are doubles
 
 // The pixels of a tile.
 struct glint_film_pixels {
     const float *planes;
-    const uint64_t *table;     // [256][slots + 1]
+    const uint64_t *table;     // [256][glint_film_info_words()]
     uint32_t half[2];          // samples of each pixel: with even indices, and with odd ones
     const uint32_t (*each)[2]; // [256], the same where pixels differ; NULL: they do not
     // 0: none is coarse. Else 2, 4 or 8: only every step-th pixel of every step-th row has `half`,
@@ -79,7 +81,7 @@ struct glint_matte_total {
 struct glint_matte_totals {
     struct glint_matte_total *of[GLINT_MATTE_LAYERS]; // by name; malloc'd, the names in the block
     size_t count[GLINT_MATTE_LAYERS];
-    double lost; // pixels of coverage, of whatever class, that found no slot
+    double lost[2]; // pixels of coverage that found no slot: of what is seen directly, of the rest
 };
 // Every name of the scene in the layers, bits 1 << layer, with its coverage over the frame by each
 // class. GLINT_E_RANGE without a Cryptomatte output; then, and on any failure, *out is empty.

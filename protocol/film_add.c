@@ -53,8 +53,11 @@ void glint_film_add_planes(const struct glint_film_info *info, float *to, uint32
 uint64_t glint_film_add_table(const struct glint_film_info *info, uint64_t *to,
                               const uint64_t *from)
 {
-    const uint32_t slots = info->job->matte_slots, policy = info->job->dial[GLINT_DIAL_EVICTION];
-    uint64_t homeless = from[slots], lost = from[slots];
+    const uint32_t slots = glint_film_info_slots(info),
+                   policy = info->job->dial[GLINT_DIAL_EVICTION];
+    struct gk_matte_lost lost = {from[slots + GK_MATTE_LOST_PRIMARY],
+                                 from[slots + GK_MATTE_LOST_BOUNCED]};
+    uint64_t homeless = lost.primary + lost.bounced;
     for (uint32_t s = 0; s < slots; s++) {
         const uint32_t key = gk_matte_key(from[s]);
         if (!key)
@@ -62,9 +65,10 @@ uint64_t glint_film_add_table(const struct glint_film_info *info, uint64_t *to,
         const uint64_t amount = gk_matte_amount(from[s]);
         if (gk_matte_find(to, slots, key).found == GK_MATTE_NOWHERE)
             homeless += amount;
-        lost += gk_matte_deposit(to, slots, key, gk_matte_direct(from[s]), amount, policy,
-                                 gk_mix32(key ^ gk_mix32((uint32_t)amount + s)));
+        gk_matte_deposit(to, slots, key, gk_matte_direct(from[s]), amount, policy,
+                         gk_mix32(key ^ gk_mix32((uint32_t)amount + s)), &lost);
     }
-    to[slots] += lost;
+    to[slots + GK_MATTE_LOST_PRIMARY] += lost.primary;
+    to[slots + GK_MATTE_LOST_BOUNCED] += lost.bounced;
     return homeless;
 }

@@ -18,7 +18,7 @@
 
 #include "film_header.h"
 
-#define GLINT_FILM_VERSION 1u
+#define GLINT_FILM_VERSION 2u // 1 had one word for what was lost of a pixel
 #define GLINT_FILM_MEDIA_TYPE "application/vnd.glint.film"
 
 // How tiles are packed: a bit for each 32-bit word, then the words that are not zero. Of 286 bytes

@@ -3,6 +3,7 @@
 #include "protocol/film_parts.h"
 
 #include "kernels/gk_film.h"
+#include "kernels/gk_matte.h"
 
 #include <float.h>
 #include <math.h>
@@ -15,6 +16,7 @@
 // Planes of the frame being made; NULL where an output is not asked for.
 struct planes {
     float *rgba[4], *depth, *normal[3], *albedo[3], *samples, *variance[3], *flow[4];
+    float *sum[4];
     float *rank[GLINT_MAX_MATTE_TYPES][MAX_LAYERS][4];
     struct glint_matte_type type[GLINT_MAX_MATTE_TYPES];
     size_t types;
@@ -50,6 +52,8 @@ static glint_status make_planes(struct glint_frame *f, const struct glint_job *j
     static const char *const normal[] = {"N.X", "N.Y", "N.Z"};
     static const char *const albedo[] = {"albedo.R", "albedo.G", "albedo.B"};
     static const char *const variance[] = {"variance.R", "variance.G", "variance.B"};
+    static const char *const sum[] = {"sums.primary", "sums.bounced", "sums.lost_primary",
+                                      "sums.lost_bounced"};
     static const char *const flow[] = {"forward.u", "forward.v", "backward.u", "backward.v"};
     memset(p, 0, sizeof *p);
     bool ok = !(outputs & GLINT_OUT_BEAUTY) || add_planes(f, p->rgba, rgba, 4, GLINT_PIXEL_HALF);
@@ -61,6 +65,7 @@ static glint_status make_planes(struct glint_frame *f, const struct glint_job *j
     ok &= !(outputs & GLINT_OUT_VARIANCE) ||
           add_planes(f, p->variance, variance, 3, GLINT_PIXEL_FLOAT);
     ok &= !(outputs & GLINT_OUT_MOTION) || add_planes(f, p->flow, flow, 4, GLINT_PIXEL_FLOAT);
+    ok &= !(outputs & GLINT_OUT_MATTE_SUMS) || add_planes(f, p->sum, sum, 4, GLINT_PIXEL_FLOAT);
     p->types = glint_matte_types(job, outputs, p->type);
     for (size_t t = 0; t < p->types; t++)
         ok &= add_ranks(f, p, job->matte_levels, t);
@@ -133,13 +138,27 @@ static void store_ranks(const struct glint_cryptomatte_rank *rank, uint32_t n, u
     }
 }
 
-static void resolve_mattes(const struct at *a, const struct planes *p)
+// What the pixel has of its coverage and what found no slot: Eq. 8 of Yoshimura et al. 2022 gives
+// sums that are not 1.
+static void resolve_sums(const struct at *a, const struct planes *p, uint32_t slots)
 {
-    struct glint_cryptomatte_rank rank[GLINT_MAX_SLOTS];
+    uint64_t sum[4] = {0, 0, a->table[slots + GK_MATTE_LOST_PRIMARY],
+                       a->table[slots + GK_MATTE_LOST_BOUNCED]};
+    for (uint32_t s = 0; s < slots; s++)
+        sum[gk_matte_class(gk_matte_key(a->table[s])) != 0] += gk_matte_amount(a->table[s]);
+    for (int k = 0; k < 4; k++)
+        p->sum[k][a->out] = (float)((double)sum[k] / ((double)GK_MATTE_ONE * a->samples));
+}
+
+static void resolve_mattes(const struct at *a, const struct planes *p,
+                           struct glint_film_ranks *ranks)
+{
     for (size_t t = 0; t < p->types; t++) {
-        const uint32_t n = glint_film_rank(a->info, a->table, &p->type[t], a->samples, rank);
-        store_ranks(rank, n, a->info->job->matte_levels, p->rank[t], a->out);
+        const uint32_t n = glint_film_rank(a->info, a->table, &p->type[t], a->samples, ranks);
+        store_ranks(ranks->rank, n, a->info->job->matte_levels, p->rank[t], a->out);
     }
+    if (p->sum[0])
+        resolve_sums(a, p, ranks->slots);
 }
 
 // What a frame is being made of.
@@ -147,6 +166,7 @@ struct making {
     const struct glint_film_source *source;
     const struct glint_frame *frame;
     struct planes planes;
+    struct glint_film_ranks ranks;
     uint32_t fewest; // samples so far
 };
 
@@ -167,8 +187,8 @@ static void resolve_pixel(struct making *m, struct at *a, const struct glint_fil
         m->planes.samples[a->out] = (float)its;
     if (!from->table)
         return;
-    a->table = from->table + (size_t)a->i * (a->info->job->matte_slots + 1);
-    resolve_mattes(a, &m->planes);
+    a->table = from->table + (size_t)a->i * (m->ranks.slots + GK_MATTE_LOST_WORDS);
+    resolve_mattes(a, &m->planes, &m->ranks);
 }
 
 // The pixels of one film tile that lie in the frame.
@@ -252,7 +272,10 @@ static glint_status fill(struct making *m, struct glint_frame *f, uint32_t outpu
 {
     glint_status st = make_planes(f, m->source->info->job, outputs, &m->planes, err);
     if (!st)
+        st = glint_film_ranks_create(&m->ranks, m->source->info, err);
+    if (!st)
         st = resolve_frame(m, err);
+    glint_film_ranks_finish(&m->ranks);
     if (st)
         return st;
     st = glint_film_attributes(m->source, f, m->fewest);

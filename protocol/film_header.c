@@ -371,6 +371,8 @@ static void read_mattes(const struct glint_json *root, struct glint_film_header 
     }
     h->info.matte = key;
     h->info.mattes = (uint32_t)count + 2;
+    if (h->job)
+        glint_matte_check(h->job, h->info.mattes, "/mattes", root->err);
 }
 
 // Takes a member out of the tree.

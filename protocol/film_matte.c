@@ -16,7 +16,7 @@ static glint_status no_coverage(struct glint_error *err)
 
 // One pixel with samples: its table, their number and its place in the region.
 struct covered {
-    const uint64_t *table; // [slots + 1]
+    const uint64_t *table; // [glint_film_info_words()]
     uint32_t samples;
     size_t out;
 };
@@ -34,7 +34,7 @@ static uint32_t visit_tile(const struct glint_film_info *info, uint32_t tile,
         if (x >= region[2] || y >= region[3])
             continue;
         const uint32_t from = glint_film_shown_as(pixels, i);
-        const struct covered at = {pixels->table + (size_t)from * (info->job->matte_slots + 1),
+        const struct covered at = {pixels->table + (size_t)from * glint_film_info_words(info),
                                    glint_film_samples_of(pixels, from, 0) +
                                        glint_film_samples_of(pixels, from, 1),
                                    (size_t)y * region[2] + x};
@@ -66,20 +66,21 @@ static glint_status each_pixel(const struct glint_film_source *s, visit_pixel *v
 
 struct sums {
     double *key[GLINT_MAX_MATTE_CLASSES]; // [mattes], pixels; of the classes that the job has
-    double lost;
+    double lost[2];
 };
 
 static void add_sums(const struct glint_film_info *info, const struct covered *at, void *user)
 {
     struct sums *sum = user;
-    const uint32_t slots = info->job->matte_slots;
+    const uint32_t slots = glint_film_info_slots(info);
     const double unit = 1.0 / ((double)GK_MATTE_ONE * at->samples);
     for (uint32_t s = 0; s < slots; s++) {
         const uint32_t key = gk_matte_key(at->table[s]);
         sum->key[gk_matte_class(key)][key & GK_MATTE_BASE_KEY] +=
             (double)gk_matte_amount(at->table[s]) * unit;
     }
-    sum->lost += (double)at->table[slots] * unit;
+    sum->lost[0] += (double)at->table[slots + GK_MATTE_LOST_PRIMARY] * unit;
+    sum->lost[1] += (double)at->table[slots + GK_MATTE_LOST_BOUNCED] * unit;
 }
 
 static int by_name(const void *a, const void *b)
@@ -144,7 +145,7 @@ static bool list_layers(const struct glint_film_info *info, uint32_t layers, con
         if (!out->of[l])
             return false;
     }
-    out->lost = sum->lost;
+    memcpy(out->lost, sum->lost, sizeof out->lost);
     return true;
 }
 
@@ -153,7 +154,7 @@ static glint_status add_up(const struct glint_film_source *s, uint32_t layers, d
                            struct glint_error *err)
 {
     uint32_t fewest;
-    struct sums sum = {.lost = 0.0};
+    struct sums sum = {.lost = {0.0, 0.0}};
     for (uint32_t c = 0; c <= glint_matte_classes(s->info->job); c++)
         sum.key[c] = keys + c * (s->info->mattes + (size_t)1);
     const glint_status st = each_pixel(s, add_sums, &sum, &fewest, err);
@@ -167,7 +168,7 @@ static glint_status add_up(const struct glint_film_source *s, uint32_t layers, d
 glint_status glint_film_mattes(const struct glint_film_source *s, uint32_t layers,
                                struct glint_matte_totals *out, struct glint_error *err)
 {
-    *out = (struct glint_matte_totals){.lost = 0.0};
+    *out = (struct glint_matte_totals){.lost = {0.0, 0.0}};
     if (!s->info->coverage)
         return no_coverage(err);
     const size_t n = s->info->mattes + (size_t)1, classes = glint_matte_classes(s->info->job) + 1;
@@ -187,11 +188,11 @@ void glint_matte_totals_finish(struct glint_matte_totals *totals)
 {
     for (uint32_t l = 0; l < GLINT_MATTE_LAYERS; l++)
         free(totals->of[l]);
-    *totals = (struct glint_matte_totals){.lost = 0.0};
+    *totals = (struct glint_matte_totals){.lost = {0.0, 0.0}};
 }
 
 struct selection {
-    uint32_t classes;
+    uint32_t classes, slots;
     bool *key;    // [mattes]
     float *plane; // of the region
 };
@@ -200,7 +201,7 @@ static void add_selected(const struct glint_film_info *info, const struct covere
 {
     const struct selection *of = user;
     uint64_t direct = 0, bounced = 0;
-    for (uint32_t s = 0; s < info->job->matte_slots; s++) {
+    for (uint32_t s = 0; s < of->slots; s++) {
         const uint32_t key = gk_matte_key(at->table[s]);
         if (of->classes >> gk_matte_class(key) & 1 && of->key[key & GK_MATTE_BASE_KEY])
             *(gk_matte_class(key) ? &bounced : &direct) += gk_matte_amount(at->table[s]);
@@ -268,6 +269,7 @@ glint_status glint_film_matte(const struct glint_film_source *s, enum glint_matt
     if (!s->info->coverage)
         return no_coverage(err);
     struct selection of = {.classes = classes,
+                           .slots = glint_film_info_slots(s->info),
                            .key = calloc(s->info->mattes + (size_t)1, sizeof *of.key)};
     const glint_status st = of.key ? unite(s, layer, names, count, &of, out, err)
                                    : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a matte");

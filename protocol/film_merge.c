@@ -1,6 +1,7 @@
 #include "protocol/film_merge.h"
 
 #include "kernels/gk_film.h"
+#include "kernels/gk_matte.h"
 #include "protocol/film_add.h"
 
 #include <math.h>
@@ -166,7 +167,8 @@ struct piece {
 
 static uint64_t *table_at(const glint_film_sum *s, uint32_t *memory, uint32_t pixel)
 {
-    return (uint64_t *)(void *)(memory + s->plane_words) + (size_t)pixel * (s->job.matte_slots + 1);
+    return (uint64_t *)(void *)(memory + s->plane_words) +
+           (size_t)pixel * glint_film_info_words(&s->header.info);
 }
 
 static void add_pixel(glint_film_sum *s, uint32_t x, uint32_t y, const struct piece *p, uint32_t j)
@@ -179,7 +181,8 @@ static void add_pixel(glint_film_sum *s, uint32_t x, uint32_t y, const struct pi
     glint_film_add_planes(&s->header.info, (float *)memory, i, (const float *)p->memory, j);
     if (s->header.info.coverage) {
         uint64_t *to = table_at(s, memory, i), *from = table_at(s, p->memory, j);
-        const bool was = to[s->job.matte_slots];
+        const uint32_t slots = glint_film_info_slots(&s->header.info);
+        const bool was = to[slots + GK_MATTE_LOST_PRIMARY] || to[slots + GK_MATTE_LOST_BOUNCED];
         const bool lost = glint_film_add_table(&s->header.info, to, from) || was;
         s->lost += again && lost;
     }

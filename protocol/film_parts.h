@@ -6,14 +6,22 @@
 #include "film.h"
 #include "kernels/gk_film.h"
 
-#define GLINT_MAX_SLOTS 32
+// Room for the IDs of a pixel.
+struct glint_film_ranks {
+    uint32_t slots;                      // of its table
+    struct glint_cryptomatte_rank *rank; // [slots]
+    uint64_t *amount;                    // [slots]
+};
+glint_status glint_film_ranks_create(struct glint_film_ranks *out,
+                                     const struct glint_film_info *info, struct glint_error *err);
+void glint_film_ranks_finish(struct glint_film_ranks *ranks); // one of zeros is fine
 
-// Fills rank[slots] with the IDs of a type that cover the pixel with this table, sorted, coverage
-// over `samples`; several keys may share an ID. Returns their number.
+// Fills out->rank with the IDs of a type that cover the pixel with this table, sorted, coverage over
+// `samples`; several keys may share an ID. Returns their number.
 // Source: Cryptomatte 1.2.0, "Ranking Pixel Filter".
 uint32_t glint_film_rank(const struct glint_film_info *info, const uint64_t *table,
                          const struct glint_matte_type *type, uint32_t samples,
-                         struct glint_cryptomatte_rank *rank);
+                         struct glint_film_ranks *out);
 
 // The manifest of every name in a layer; malloc'd, NULL without memory.
 char *glint_film_manifest(const struct glint_film_info *info, enum glint_matte_layer layer);

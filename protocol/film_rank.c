@@ -13,13 +13,32 @@ static uint32_t id_of(const struct glint_film_info *info, uint32_t key,
     return matte == GK_MATTE_BACKGROUND ? 0 : info->matte[matte].id[layer];
 }
 
+glint_status glint_film_ranks_create(struct glint_film_ranks *out,
+                                     const struct glint_film_info *info, struct glint_error *err)
+{
+    out->slots = info->coverage ? glint_film_info_slots(info) : 0;
+    out->rank = malloc((out->slots + (size_t)1) * sizeof *out->rank);
+    out->amount = malloc((out->slots + (size_t)1) * sizeof *out->amount);
+    return out->rank && out->amount
+               ? GLINT_OK
+               : glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u ranks", out->slots);
+}
+
+void glint_film_ranks_finish(struct glint_film_ranks *r)
+{
+    free(r->rank);
+    free(r->amount);
+    *r = (struct glint_film_ranks){0};
+}
+
 uint32_t glint_film_rank(const struct glint_film_info *info, const uint64_t *table,
                          const struct glint_matte_type *type, uint32_t samples,
-                         struct glint_cryptomatte_rank *rank)
+                         struct glint_film_ranks *out)
 {
-    uint64_t amount[GLINT_MAX_SLOTS];
+    struct glint_cryptomatte_rank *rank = out->rank;
+    uint64_t *amount = out->amount;
     uint32_t n = 0;
-    for (uint32_t s = 0; s < info->job->matte_slots; s++) {
+    for (uint32_t s = 0; s < out->slots; s++) {
         const uint32_t key = gk_matte_key(table[s]);
         if (!key || gk_matte_class(key) != type->class_of_it)
             continue;

@@ -21,8 +21,9 @@ struct tile {
 struct glint_film_file {
     int fd;
     uint32_t tiles; // of the region
+    uint32_t version;
     struct tile *tile;
-    size_t tile_bytes;
+    size_t tile_bytes, packed_bytes; // in memory; before packing
     struct glint_film_header *header;
 };
 
@@ -113,6 +114,7 @@ static glint_status read_header(struct scan *s)
     char *text = malloc(word[4] + (size_t)1);
     if (!text)
         return glint_fail(s->err, GLINT_E_NOMEM, "", "no memory for a film's header");
+    s->file->version = word[2];
     st = next(s, text, word[4]);
     if (!st && glint_film_crc(word, sizeof word, text, word[4]) != crc)
         st = torn(s, "the header before it is damaged");
@@ -132,16 +134,41 @@ static bool samples_agree(const glint_film_file *f, uint32_t samples)
     return samples == before || (m->samples && samples == before + m->samples);
 }
 
+// Tables of version 1 get the other word, from the last to the first: what was lost is of bounces
+// where there are any.
+static void widen(const glint_film_file *f, void *memory)
+{
+    const struct glint_film_info *info = &f->header->info;
+    const uint32_t slots = glint_film_info_slots(info), words = glint_film_info_words(info);
+    const bool bounces = glint_matte_classes(info->job) > 0;
+    uint64_t *table = (uint64_t *)(void *)((uint8_t *)memory + glint_film_info_plane_bytes(info));
+    for (size_t i = GK_TILE_PIXELS; i-- > 0;) {
+        const uint64_t lost = table[i * (slots + 1) + slots];
+        memmove(table + i * words, table + i * (slots + 1), slots * sizeof *table);
+        table[i * words + slots + GK_MATTE_LOST_PRIMARY] = bounces ? 0 : lost;
+        table[i * words + slots + GK_MATTE_LOST_BOUNCED] = bounces ? lost : 0;
+    }
+}
+
+static bool unpack(const glint_film_file *f, const uint8_t *packed, size_t size, void *memory)
+{
+    if (!glint_film_unpack(packed, size, memory, f->packed_bytes))
+        return false;
+    if (f->packed_bytes < f->tile_bytes)
+        widen(f, memory);
+    return true;
+}
+
 // Keys of tables are indices and classes.
 static bool keys_exist(const glint_film_file *f, const void *memory)
 {
     const struct glint_film_info *info = &f->header->info;
     const uint64_t *table = (const uint64_t *)(const void *)((const uint8_t *)memory +
                                                              glint_film_info_plane_bytes(info));
-    const uint32_t slots = info->job->matte_slots, classes = glint_matte_classes(info->job);
+    const uint32_t slots = glint_film_info_slots(info), classes = glint_matte_classes(info->job);
     for (uint32_t i = 0; info->coverage && i < GK_TILE_PIXELS; i++)
         for (uint32_t s = 0; s < slots; s++) {
-            const uint32_t key = gk_matte_key(table[(size_t)i * (slots + 1) + s]);
+            const uint32_t key = gk_matte_key(table[(size_t)i * (slots + GK_MATTE_LOST_WORDS) + s]);
             if ((key & GK_MATTE_BASE_KEY) >= info->mattes || gk_matte_class(key) > classes)
                 return false;
         }
@@ -154,7 +181,7 @@ static glint_status check_tile(struct scan *s, const uint32_t *word, uint32_t cr
         return torn(s, "the tile before it is damaged");
     if (!samples_agree(s->file, word[1]))
         return torn(s, "the tile before it has samples that its pass has not");
-    if (!glint_film_unpack(s->packed, word[2], s->memory, s->file->tile_bytes))
+    if (!unpack(s->file, s->packed, word[2], s->memory))
         return torn(s, "the tile before it does not unpack");
     if (!keys_exist(s->file, s->memory))
         return torn(s, "the tile before it has a key without names");
@@ -218,6 +245,9 @@ static glint_status make_room(struct scan *s)
     const struct glint_film_info *info = &f->header->info;
     f->tiles = glint_film_info_columns(info) * glint_film_info_rows(info);
     f->tile_bytes = glint_film_info_plane_bytes(info) + glint_film_info_table_bytes(info);
+    f->packed_bytes = f->tile_bytes;
+    if (f->version == 1 && info->coverage)
+        f->packed_bytes -= (size_t)GK_TILE_PIXELS * 8;
     f->tile = calloc(f->tiles, sizeof *f->tile);
     s->packed = malloc(glint_film_pack_bound(f->tile_bytes));
     s->memory = malloc(f->tile_bytes);
@@ -296,7 +326,7 @@ glint_status glint_film_file_tile(const glint_film_file *f, uint32_t tile, void 
     glint_status st = read_at(f->fd, t->offset, record, size, err);
     memcpy(&crc, record + head - 4, 4);
     if (!st && (glint_film_crc(record, head - 4, record + head, t->bytes) != crc ||
-                !glint_film_unpack(record + head, t->bytes, memory, f->tile_bytes)))
+                !unpack(f, record + head, t->bytes, memory)))
         st = GLINT_E_SYNTAX;
     free(record);
     return st == GLINT_E_SYNTAX

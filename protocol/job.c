@@ -18,6 +18,7 @@ static const struct {
     {GLINT_OUT_SAMPLES, "samples"},
     {GLINT_OUT_VARIANCE, "variance"},
     {GLINT_OUT_MOTION, "motion"},
+    {GLINT_OUT_MATTE_SUMS, "matte_sums"},
 };
 
 static const char *const filters[] = {"box", "blackman_harris", NULL};

@@ -26,7 +26,8 @@ enum glint_output {
     GLINT_OUT_ALBEDO = 1u << 6,
     GLINT_OUT_SAMPLES = 1u << 7,
     GLINT_OUT_VARIANCE = 1u << 8,
-    GLINT_OUT_MOTION = 1u << 9, // pixels to the next and previous frame
+    GLINT_OUT_MOTION = 1u << 9,      // pixels to the next and previous frame
+    GLINT_OUT_MATTE_SUMS = 1u << 10, // coverage kept and lost
 };
 #define GLINT_OUT_CRYPTO \
     (GLINT_OUT_CRYPTO_OBJECT | GLINT_OUT_CRYPTO_MATERIAL | GLINT_OUT_CRYPTO_ASSET)

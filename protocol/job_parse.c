@@ -90,6 +90,8 @@ static void read_outputs(const struct glint_json *at, struct glint_job *job)
         const struct glint_json item = glint_json_item(at, c, i);
         read_output(&item, &job->outputs);
     }
+    if (job->outputs & GLINT_OUT_MATTE_SUMS && !(job->outputs & GLINT_OUT_CRYPTO))
+        glint_json_fault(at, "matte_sums come with crypto_object, crypto_material or crypto_asset");
 }
 
 // ---- accuracy and mattes: what rows of the dial table name `parent`
@@ -252,9 +254,14 @@ static void check_time(const struct glint_json *root, const struct glint_job *jo
                          job->shutter[1]);
 }
 
-// Each edit starts the frame of a live job anew: its error has no history to stop by.
+// Each edit starts the frame of a live job anew: its error has no history to stop by, and its scene
+// has other names.
 static void check_live(const struct glint_json *root, const struct glint_job *job)
 {
+    const struct glint_json mattes = glint_json_member(root, "mattes");
+    const struct glint_json eviction = glint_json_member(&mattes, "eviction");
+    if (job->live && job->dial[GLINT_DIAL_EVICTION] == GLINT_EVICTION_EXACT)
+        glint_json_fault(&eviction, "a live job does not know how many names there will be");
     const struct glint_json stop = glint_json_member(root, "stop");
     const struct glint_json error = glint_json_member(&stop, "error");
     if (job->live && job->stop.error > 0)

@@ -21,6 +21,30 @@ uint32_t glint_matte_classes(const struct glint_job *job)
     return job->matte_depth_bins ? job->matte_depth_bins : job->matte_classes ? 2 : 1;
 }
 
+uint32_t glint_matte_slots(const struct glint_job *job, uint32_t mattes)
+{
+    return job->dial[GLINT_DIAL_EVICTION] == GLINT_EVICTION_EXACT
+               ? mattes * (glint_matte_classes(job) + 1)
+               : job->matte_slots;
+}
+
+uint32_t glint_matte_rows(const struct glint_job *job)
+{
+    const bool full = job->dial[GLINT_DIAL_COVERAGE] != 0;
+    return full && job->dial[GLINT_DIAL_PATH_IDS] == GLINT_PATH_IDS_LIST ? job->max_bounces + 3 : 0;
+}
+
+glint_status glint_matte_check(const struct glint_job *job, uint32_t mattes, const char *pointer,
+                               struct glint_error *err)
+{
+    const uint32_t slots = glint_matte_slots(job, mattes);
+    return slots <= GLINT_MAX_EXACT_SLOTS
+               ? GLINT_OK
+               : glint_fail(err, GLINT_E_RANGE, pointer,
+                            "exact keeps %u names in %u classes: %u slots a pixel are more than %u",
+                            mattes, glint_matte_classes(job) + 1, slots, GLINT_MAX_EXACT_SLOTS);
+}
+
 static const char *const class_name[] = {"primary", "glossy", "reflection", "refraction", "depth0",
                                          "depth1",  "depth2", "depth3",     "depth4",     "depth5",
                                          "depth6",  "depth7", "depth8",     "depth9"};

@@ -41,4 +41,18 @@ bool glint_matte_class_exists(const char *name, size_t length);
 // Classes above 0 that the job tells apart: 0 where nothing goes through bounces.
 uint32_t glint_matte_classes(const struct glint_job *job);
 
+// Slots of a pixel: what the job says, or, under exact eviction, one for each key of a scene that has
+// so many, in each class.
+uint32_t glint_matte_slots(const struct glint_job *job, uint32_t mattes);
+
+// Rows of a list of all that a path meets, where the job has mattes through bounces: its vertices, the
+// background and an end; 0 where it keeps none.
+uint32_t glint_matte_rows(const struct glint_job *job);
+
+#define GLINT_MAX_EXACT_SLOTS 32766u // a wave's tables fit in one buffer
+
+// GLINT_E_RANGE, at `pointer`: exact eviction would take more than these.
+glint_status glint_matte_check(const struct glint_job *job, uint32_t mattes, const char *pointer,
+                               struct glint_error *err);
+
 #endif

@@ -35,7 +35,8 @@ static void add_layer(cJSON *layers, const struct glint_job *job,
             cJSON_AddNumberToObject(name, glint_matte_class_name(job, c), t->coverage[c]);
         cJSON_AddItemToArray(names, name);
     }
-    cJSON_AddNumberToObject(o, "lost", totals->lost);
+    cJSON_AddNumberToObject(o, "lost", totals->lost[0] + totals->lost[1]);
+    cJSON_AddNumberToObject(o, "lost_bounced", totals->lost[1]);
 }
 
 // Of one layer, or of those that the job has, as bits.

@@ -20,6 +20,7 @@ static const struct {
     {GLINT_OUT_DEPTH, {"Z"}},
     {GLINT_OUT_SAMPLES, {"samples.Y"}},
     {GLINT_OUT_MOTION, {"forward.u", "forward.v", "forward.v"}},
+    {GLINT_OUT_MATTE_SUMS, {"sums.bounced", "sums.lost_primary", "sums.lost_bounced"}},
 };
 
 static const char *crypto_type(uint32_t output)

@@ -16,7 +16,7 @@ void glint_need_estimate(struct glint_need *out, const struct glint_resident *sc
 {
     struct glint_resident_stats s;
     glint_resident_stats(scene, &s);
-    out->film = glint_render_film_bytes(scene, job) + glint_render_wave_bytes(workers);
+    out->film = glint_render_film_bytes(scene, job) + glint_render_wave_bytes(scene, job, workers);
     if (glint_pose_wanted(glint_resident_scene(scene), request))
         out->scene = s.geometry_bytes + s.record_bytes + structure_bytes(&s);
     else // what is built already is the scene's

@@ -9,7 +9,7 @@
 
 static size_t table_bytes(const struct glint_run *r)
 {
-    return (size_t)GK_TILE_PIXELS * (r->job->matte_slots + 1) * 8;
+    return (size_t)GK_TILE_PIXELS * (r->job->matte_slots + GK_MATTE_LOST_WORDS) * 8;
 }
 
 // Different for every launch on every pixel: the draws of unbiased eviction are taken from it.
@@ -78,16 +78,29 @@ static glint_status copy_out(struct glint_run *r, const struct glint_film_tile *
     return GLINT_OK;
 }
 
+static glint_status make_room(struct glint_run *r)
+{
+    glint_wave *w = r->wave;
+    const size_t tiles = GLINT_WAVE_LANES / GK_TILE_PIXELS;
+    const size_t rows = r->job->matte_rows;
+    glint_status st = GLINT_OK;
+    if (!w->tables)
+        st = glint_buffer_create(&w->tables, w->devices, tiles * table_bytes(r), r->err);
+    if (!st && rows && !w->met)
+        st = glint_buffer_create(&w->met, w->devices, rows * GLINT_WAVE_STRIDE * 4, r->err);
+    return st;
+}
+
 glint_status glint_carried_begin(struct glint_run *r)
 {
     if (!r->job->matte_through)
         return GLINT_OK;
-    const size_t tiles = GLINT_WAVE_LANES / GK_TILE_PIXELS;
-    glint_status st = GLINT_OK;
-    if (!r->wave->tables)
-        st =
-            glint_buffer_create(&r->wave->tables, r->wave->devices, tiles * table_bytes(r), r->err);
-    return st ? st : glint_run_tiles(r, copy_in);
+    const glint_status st = make_room(r);
+    if (st)
+        return st;
+    if (r->job->matte_rows)
+        memset(glint_buffer_host(r->wave->met), 0, r->lanes * 4);
+    return glint_run_tiles(r, copy_in);
 }
 
 static void count_excess(struct glint_run *r)
@@ -98,11 +111,24 @@ static void count_excess(struct glint_run *r)
         r->clamped += excess[i];
 }
 
+glint_status glint_carried_forget(struct glint_run *r, glint_buffer *list, uint32_t n)
+{
+    const uint32_t stride = GLINT_WAVE_STRIDE;
+    const struct glint_arg args[] = {GLINT_ARG_BUFFER(r->wave->columns), GLINT_ARG_VALUE(stride),
+                                     GLINT_ARG_VALUE(n), GLINT_ARG_BUFFER(list),
+                                     GLINT_ARG_VALUE(r->job->matte_rows)};
+    return glint_run_launch(r, "forget_repeated", n, args, sizeof args / sizeof *args);
+}
+
 glint_status glint_carried_deposit(struct glint_run *r)
 {
     if (r->holding == 0)
         return GLINT_OK;
-    const glint_status st = glint_run_deposit_carried(r, r->wave->tables, r->holding);
+    glint_status st = GLINT_OK;
+    if (r->job->matte_rows)
+        st = glint_carried_forget(r, r->wave->met, r->holding);
+    if (!st)
+        st = glint_run_deposit_carried(r, r->wave->tables, r->holding);
     count_excess(r);
     glint_run_charge(r, GLINT_PASS_CARRIED);
     return st;

@@ -1,7 +1,9 @@
 #include "render/effects.h"
 
 #include "kernels/gk_film.h"
+#include "kernels/gk_matte.h"
 #include "kernels/gk_wave.h"
+#include "protocol/matte_types.h"
 
 #include <string.h>
 
@@ -114,6 +116,11 @@ static bool calls_opaque_full(const struct glint_effect_input *in)
     return calls_through(in) && in->job->dial[GLINT_DIAL_COVERAGE] != 0;
 }
 
+static bool calls_path_list(const struct glint_effect_input *in)
+{
+    return calls_opaque_full(in) && in->job->dial[GLINT_DIAL_PATH_IDS] == GLINT_PATH_IDS_LIST;
+}
+
 static bool calls_uniform_lights(const struct glint_effect_input *in)
 {
     return in->facts->light_table && in->job->dial[GLINT_DIAL_LIGHTS] == 2;
@@ -129,21 +136,23 @@ static bool calls_float64(const struct glint_effect_input *in)
     return in->job->dial[GLINT_DIAL_PRECISION] == 0;
 }
 
-static size_t aov_bytes(const struct glint_job *job)
+static size_t aov_bytes(const struct glint_job *job, const struct glint_scene_facts *facts)
 {
     (void)job;
+    (void)facts;
     return GK_PLANES_AOV * 4;
 }
 
-static size_t flow_bytes(const struct glint_job *job)
+static size_t flow_bytes(const struct glint_job *job, const struct glint_scene_facts *facts)
 {
     (void)job;
+    (void)facts;
     return GK_PLANES_FLOW * 4;
 }
 
-static size_t coverage_bytes(const struct glint_job *job)
+static size_t coverage_bytes(const struct glint_job *job, const struct glint_scene_facts *facts)
 {
-    return (job->matte_slots + 1) * 8;
+    return ((size_t)glint_matte_slots(job, facts->mattes) + GK_MATTE_LOST_WORDS) * 8;
 }
 
 #define NO_DIAL GLINT_DIAL_COUNT
@@ -417,6 +426,12 @@ const struct glint_effect glint_effect_table[] = {
      .source = "Yoshimura et al. 2022, Eq. 8",
      .dial = GLINT_DIAL_COVERAGE,
      .called = calls_opaque_full},
+    {.name = "each matte once on a path",
+     .cause = "mattes.path_ids list, and mattes.coverage opaque_full",
+     .define = "GK_PATH_LIST",
+     .source = "ALGORITHMS A, Eq. 8",
+     .dial = GLINT_DIAL_PATH_IDS,
+     .called = calls_path_list},
 };
 const size_t glint_effect_count = sizeof glint_effect_table / sizeof *glint_effect_table;
 

@@ -42,7 +42,7 @@ struct glint_effect {
     uint32_t passes;      // bits 1 << glint_pass that it adds
     bool (*called)(const struct glint_effect_input *in);
     // Film bytes per pixel that it adds; NULL: none.
-    size_t (*film_bytes)(const struct glint_job *job);
+    size_t (*film_bytes)(const struct glint_job *job, const struct glint_scene_facts *facts);
     uint32_t tables; // bits 1 << glint_table of the resident buffers that it alone reads
     uint32_t
         carries; // bits 1 << GK_COL_* of path columns, from GK_COL_TIME on, that it alone wants

@@ -1,6 +1,7 @@
 #include "render/film_parts.h"
 
 #include "kernels/gk_film.h"
+#include "kernels/gk_matte.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -52,7 +53,7 @@ static glint_status allocate(glint_film *f, glint_devices *devices, uint32_t til
 
 glint_status glint_film_create(glint_film **out, glint_devices *devices,
                                const struct glint_plan *plan, const struct glint_job *job,
-                               struct glint_error *err)
+                               uint32_t slots, struct glint_error *err)
 {
     *out = NULL;
     glint_film *f = calloc(1, sizeof *f);
@@ -65,7 +66,7 @@ glint_status glint_film_create(glint_film **out, glint_devices *devices,
     f->rows = (job->region[3] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
     f->tile_words = (GK_PLANES_BASE + (aovs ? GK_PLANES_AOV : 0) + (flow ? GK_PLANES_FLOW : 0)) *
                     GK_TILE_PIXELS;
-    f->tile_slots = coverage ? (job->matte_slots + 1) * GK_TILE_PIXELS : 0;
+    f->tile_slots = coverage ? (slots + GK_MATTE_LOST_WORDS) * GK_TILE_PIXELS : 0;
     const size_t largest = f->tile_slots * (size_t)8 > f->tile_words * (size_t)4
                                ? f->tile_slots * (size_t)8
                                : f->tile_words * (size_t)4;

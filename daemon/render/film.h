@@ -33,10 +33,10 @@ struct glint_film_tile {
     uint32_t tables_offset; // slots
 };
 
-// Region and slots come from the job, planes from the plan.
+// The region comes from the job, planes from the plan; slots: of a pixel, where it has coverage.
 glint_status glint_film_create(glint_film **out, glint_devices *devices,
                                const struct glint_plan *plan, const struct glint_job *job,
-                               struct glint_error *err);
+                               uint32_t slots, struct glint_error *err);
 void glint_film_destroy(glint_film **film);
 
 uint32_t glint_film_columns(const glint_film *film); // tiles in a row

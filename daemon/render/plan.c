@@ -60,7 +60,7 @@ void glint_plan_make(struct glint_plan *out, const struct glint_effect_input *in
         if (e->define)
             add_option(out, e->define);
         if (e->film_bytes)
-            out->film_bytes += e->film_bytes(in->job);
+            out->film_bytes += e->film_bytes(in->job, in->facts);
     }
 }
 
@@ -79,7 +79,9 @@ static double total(const double *seconds)
 
 static double effect_bytes(const struct glint_effect *e, const struct glint_plan_use *use)
 {
-    double bytes = e->film_bytes ? (double)(e->film_bytes(use->job) * use->pixels) : 0.0;
+    double bytes = 0.0;
+    if (e->film_bytes)
+        bytes = (double)(e->film_bytes(use->job, glint_resident_facts(use->scene)) * use->pixels);
     for (int t = 0; t < GLINT_TABLES; t++)
         if (e->tables >> t & 1)
             bytes += (double)glint_buffer_bytes(glint_resident_table(use->scene, t));

@@ -30,7 +30,8 @@ static glint_status prepare(struct glint_render *r, glint_resident *scene,
 {
     glint_status st = glint_view_create(&r->view, r, scene, pose, &r->job, NULL, force, err);
     if (!st)
-        st = glint_film_create(&r->film, r->devices, &r->view->plan, &r->job, err);
+        st = glint_film_create(&r->film, r->devices, &r->view->plan, &r->job,
+                               glint_film_info_slots(&r->view->info), err);
     if (st)
         return st;
     const size_t tiles = (size_t)glint_film_columns(r->film) * glint_film_rows(r->film);
@@ -219,7 +220,8 @@ static glint_status get_coarse(glint_render *r, glint_film **film, struct glint_
     struct glint_job small = r->job; // borrows
     small.region[2] = small.region[3] = GK_TILE_SIDE << GLINT_COARSE_LOG2;
     if (!*film)
-        return glint_film_create(film, r->devices, &r->view->plan, &small, err);
+        return glint_film_create(film, r->devices, &r->view->plan, &small,
+                                 glint_film_info_slots(&r->view->info), err);
     glint_film_clear(*film);
     return GLINT_OK;
 }

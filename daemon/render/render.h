@@ -42,7 +42,8 @@ struct glint_slice {
 uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struct glint_job *job);
 
 // Bytes beside the film, while it renders: a wave for each worker.
-uint64_t glint_render_wave_bytes(uint32_t workers);
+uint64_t glint_render_wave_bytes(const struct glint_resident *scene, const struct glint_job *job,
+                                 uint32_t workers);
 
 // Compiles the job's program variant and allocates its film. Retains `scene`. pose: the one
 // that `scene` was made with, which lives as long as it; NULL: everything as the scene has it.

@@ -47,7 +47,7 @@ glint_status glint_render_mattes(glint_render *r, uint32_t layers, struct glint_
                                  struct glint_error *err)
 {
     struct origin o;
-    *out = (struct glint_matte_totals){.lost = 0.0};
+    *out = (struct glint_matte_totals){.lost = {0.0, 0.0}};
     glint_status st = origin_begin(&o, r, err);
     if (st)
         return st;

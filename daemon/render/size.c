@@ -1,6 +1,8 @@
 // size.c - what a film will need, before anything is compiled or allocated.
 #include "kernels/gk_film.h"
+#include "kernels/gk_matte.h"
 #include "kernels/gk_wave.h"
+#include "protocol/matte_types.h"
 #include "render/plan.h"
 #include "render/render.h"
 #include "render/wave.h"
@@ -24,9 +26,21 @@ static uint64_t padded(uint32_t pixels)
     return ((uint64_t)pixels + GK_TILE_SIDE - 1) / GK_TILE_SIDE * GK_TILE_SIDE;
 }
 
-uint64_t glint_render_wave_bytes(uint32_t workers)
+// Those of the tables that are copied while paths are on their way, and of what paths have met.
+static uint64_t table_bytes(const struct glint_resident *scene, const struct glint_job *job)
 {
-    return (uint64_t)workers * GLINT_WAVE_LANES * (GK_COLUMNS + 1) * 4;
+    const uint32_t slots = glint_matte_slots(job, glint_resident_facts(scene)->mattes);
+    const bool carried = job->outputs & GLINT_OUT_CRYPTO && glint_matte_classes(job) > 0;
+    return carried ? GLINT_WAVE_LANES *
+                         (8ull * (slots + GK_MATTE_LOST_WORDS) + 4ull * glint_matte_rows(job))
+                   : 0;
+}
+
+uint64_t glint_render_wave_bytes(const struct glint_resident *scene, const struct glint_job *job,
+                                 uint32_t workers)
+{
+    const uint64_t columns = GLINT_WAVE_LANES * (GK_COLUMNS + 1) * 4;
+    return workers * (columns + table_bytes(scene, job));
 }
 
 uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struct glint_job *job)

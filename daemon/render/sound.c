@@ -2,6 +2,7 @@
 #include "render/wave_parts.h"
 
 #include "kernels/gk_film.h"
+#include "kernels/gk_matte.h"
 #include "kernels/gk_wave.h"
 
 #include <math.h>
@@ -45,10 +46,11 @@ static glint_status add_lost(struct glint_run *run, const struct glint_film_tile
                              uint32_t tile_in_block)
 {
     (void)tile_in_block;
-    const uint32_t words = run->job->matte_slots + 1;
+    const uint32_t slots = run->job->matte_slots, words = slots + GK_MATTE_LOST_WORDS;
     const uint64_t *table = (const uint64_t *)glint_buffer_host(at->tables) + at->tables_offset;
     for (uint32_t i = 0; i < GK_TILE_PIXELS; i++)
-        run->lost += table[i * words + run->job->matte_slots];
+        run->lost += table[i * words + slots + GK_MATTE_LOST_PRIMARY] +
+                     table[i * words + slots + GK_MATTE_LOST_BOUNCED];
     return GLINT_OK;
 }
 

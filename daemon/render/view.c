@@ -25,7 +25,8 @@ static glint_status choose_camera(struct glint_view *v, struct glint_error *err)
                       v->job.camera_name ? v->job.camera_name : "");
 }
 
-_Static_assert((int)GLINT_EVICTION_DROP == GK_MATTE_DROP &&
+_Static_assert((int)GLINT_EVICTION_EXACT == GK_MATTE_EXACT &&
+                   (int)GLINT_EVICTION_DROP == GK_MATTE_DROP &&
                    (int)GLINT_EVICTION_DIRECT_FIRST == GK_MATTE_DIRECT_FIRST &&
                    (int)GLINT_EVICTION_USS == GK_MATTE_USS &&
                    (int)GLINT_EVICTION_USS_DIRECT_FIRST == GK_MATTE_USS_DIRECT_FIRST,
@@ -38,10 +39,11 @@ static void fill_wave_job(struct glint_view *v)
     v->wave_job.scene = v->scene;
     v->wave_job.interrupted = &v->render->interrupted;
     v->wave_job.frame = v->frame;
-    v->wave_job.matte_slots = v->job.matte_slots;
+    v->wave_job.matte_slots = glint_film_info_slots(&v->info);
     v->wave_job.matte_policy = v->job.dial[GLINT_DIAL_EVICTION];
     v->wave_job.matte_through = glint_plan_has(&v->plan, GLINT_PASS_COVERAGE) &&
                                 v->job.dial[GLINT_DIAL_THROUGH] != GLINT_THROUGH_NONE;
+    v->wave_job.matte_rows = v->wave_job.matte_through ? glint_matte_rows(&v->job) : 0;
     v->wave_job.plain = v->plain;
     v->wave_job.seed = v->job.seed;
 }
@@ -83,7 +85,9 @@ static glint_status prepare(struct glint_view *v, const struct glint_view *like,
     const enum glint_geometry_kind kind = v->job.live ? GLINT_GEOMETRY_PLACED : GLINT_GEOMETRY_FLAT;
     glint_plan_make(&v->plan, &in, force);
     fill_info(v);
-    glint_status st = glint_program_get(&v->program, devices, v->plan.options, err);
+    glint_status st = glint_matte_check(&v->job, v->info.mattes, "/mattes/eviction", err);
+    if (!st)
+        st = glint_program_get(&v->program, devices, v->plan.options, err);
     if (!st && v->job.dial[GLINT_DIAL_THROUGH] != GLINT_THROUGH_NONE)
         st = get_plain(v, &in, force, err);
     if (!st)

@@ -48,6 +48,7 @@ void glint_wave_destroy(glint_wave **wave)
     glint_buffer_destroy(&w->columns);
     glint_buffer_destroy(&w->rect);
     glint_buffer_destroy(&w->tables);
+    glint_buffer_destroy(&w->met);
     free(w);
 }
 
@@ -296,6 +297,8 @@ static glint_status launch_all(struct glint_run *r)
         st = glint_run_deposit_seen(r, &nowhere, 0, 0);
     if (!st && r->job->matte_through)
         st = glint_run_deposit_carried(r, r->wave->columns, 0);
+    if (!st && r->job->matte_rows)
+        st = glint_carried_forget(r, r->wave->columns, 0);
     return st;
 }
 

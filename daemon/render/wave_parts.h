@@ -15,6 +15,7 @@ struct glint_wave {
     glint_buffer *columns; // [GK_COLUMNS][GLINT_WAVE_STRIDE]
     glint_buffer *rect;    // struct gk_wave_rect
     glint_buffer *tables;  // slot tables of the block while its paths are on their way; NULL: none
+    glint_buffer *met; // [matte_rows][GLINT_WAVE_STRIDE], what each lane's path has met; NULL: none
     struct glint_compact compact;
     struct glint_wave_stats stats;
 };
@@ -63,6 +64,8 @@ glint_status glint_carried_end(struct glint_run *run);
 void glint_run_count_samples(struct glint_run *run);
 // Units of coverage that have found no slot in the tiles of the block.
 uint64_t glint_run_lost(struct glint_run *run);
+// Takes from the deposits of the first n paths what each of these has met before.
+glint_status glint_carried_forget(struct glint_run *run, glint_buffer *list, uint32_t n);
 
 // The kernels that deposit, over `n` pixels of one tile whose first lane is `lane`, or `n` paths.
 glint_status glint_run_deposit_seen(struct glint_run *run, const struct glint_film_tile *at,

@@ -44,6 +44,7 @@ struct glint_scene_facts {
     bool solids, nested, medium, culling, blend, motion;
     bool emission, light_table, light_grid, environment_constant, environment_image;
     uint32_t texture_pools;
+    uint32_t mattes; // keys of ID coverage: 0, the background and every name
 };
 
 // Names of the effects that hold, static strings. Returns their number, at most `capacity`.

@@ -102,6 +102,7 @@ glint_status glint_resident_build_mattes(struct glint_resident *r, struct glint_
                         r->mattes - 2, GK_MATTE_BASE_KEY - 1);
     if (!st)
         append_unused(r, used);
+    r->facts.mattes = r->mattes;
     free(named);
     free(used);
     return st;

@@ -167,10 +167,11 @@ static double deposit_fixed(void *user)
     const double start = glint_thread_cpu();
     uint32_t random = 1;
     memset(table, 0, sizeof table);
+    struct gk_matte_lost lost = {0, 0};
     for (uint32_t i = 0; i < DEPOSITS; i++) {
         const uint32_t key = 1 + (next(&random) >> 28) % 9;
         const uint32_t units = gk_matte_units((float)(next(&random) >> 8) * 0x1p-24f);
-        gk_matte_deposit(table[i & 255], SLOTS, key, 0, units, GK_MATTE_USS, random);
+        gk_matte_deposit(table[i & 255], SLOTS, key, 0, units, GK_MATTE_USS, random, &lost);
     }
     return glint_thread_cpu() - start;
 }

@@ -154,12 +154,13 @@ GK_INLINE void probe_bsdf(gk_u32 i, GK_GLOBAL gk_u32 *out, const GK_GLOBAL gk_f3
 // Pixel i takes 1000 deposits; `table` is [PROBE_PIXELS][PROBE_SLOTS], `lost` [PROBE_PIXELS].
 GK_INLINE void probe_matte(gk_u32 i, GK_GLOBAL gk_u64 *table, GK_GLOBAL gk_u64 *lost)
 {
+    struct gk_matte_lost none = {0, 0};
     for (gk_u32 k = 0; k < 1000; k++) {
         const gk_u32 bits = gk_mix32(i * 1000u + k);
-        lost[i] += gk_matte_deposit(table + i * PROBE_SLOTS, PROBE_SLOTS, 1u + (bits >> 8) % 20u,
-                                    bits & 1u, gk_matte_units(probe_uniform(i, k)),
-                                    GK_MATTE_DIRECT_FIRST, bits);
+        gk_matte_deposit(table + i * PROBE_SLOTS, PROBE_SLOTS, 1u + (bits >> 8) % 20u, bits & 1u,
+                         gk_matte_units(probe_uniform(i, k)), GK_MATTE_DIRECT_FIRST, bits, &none);
     }
+    lost[i] += none.primary + none.bounced;
 }
 
 #ifdef GK_DEVICE

@@ -3,10 +3,21 @@
 #include "tests/kernel/check.h"
 #include "tests/kernel/matte_double.h"
 
+#include <stdlib.h>
+
 enum { SLOTS = 12, MAX_SLOTS = 64 };
 
 // The key of what a bounce has brought.
 #define BOUNCED(matte) gk_matte_of_class(matte, 1u)
+
+// Returns the units lost, of either kind.
+static uint64_t deposit(gk_u64 *table, gk_u32 slots, gk_u32 key, gk_u32 direct, gk_u64 amount,
+                        gk_u32 policy, gk_u32 random)
+{
+    struct gk_matte_lost lost = {0, 0};
+    gk_matte_deposit(table, slots, key, direct, amount, policy, random, &lost);
+    return lost.primary + lost.bounced;
+}
 
 static uint64_t kept(const gk_u64 *table, gk_u32 slots)
 {
@@ -61,7 +72,7 @@ static void deposits_of_one_key_add_up(void **state)
     (void)state;
     gk_u64 table[SLOTS] = {0};
     for (gk_u32 i = 1; i <= 1000; i++)
-        assert_true(gk_matte_deposit(table, SLOTS, 42, 1, i, GK_MATTE_DROP, 0) == 0);
+        assert_true(deposit(table, SLOTS, 42, 1, i, GK_MATTE_DROP, 0) == 0);
     assert_true(amount_of(table, SLOTS, 42) == 1000 * 1001 / 2);
     assert_true(kept(table, SLOTS) == 1000 * 1001 / 2);
 }
@@ -70,7 +81,7 @@ static void nothing_deposited_takes_no_slot(void **state)
 {
     (void)state;
     gk_u64 table[SLOTS] = {0};
-    assert_true(gk_matte_deposit(table, SLOTS, 42, 1, 0, GK_MATTE_DROP, 0) == 0);
+    assert_true(deposit(table, SLOTS, 42, 1, 0, GK_MATTE_DROP, 0) == 0);
     for (int i = 0; i < SLOTS; i++)
         assert_true(table[i] == 0);
 }
@@ -83,7 +94,7 @@ static void a_table_holds_as_many_keys_as_it_has_slots(void **state)
         gk_u64 table[MAX_SLOTS] = {0};
         for (gk_u32 turn = 0; turn < 3; turn++)
             for (gk_u32 k = 1; k <= slots; k++)
-                assert_true(gk_matte_deposit(table, slots, k * 7919, 1, k, GK_MATTE_DROP, 0) == 0);
+                assert_true(deposit(table, slots, k * 7919, 1, k, GK_MATTE_DROP, 0) == 0);
         for (gk_u32 k = 1; k <= slots; k++)
             assert_true(amount_of(table, slots, k * 7919) == 3 * k);
         assert_distinct(table, slots);
@@ -101,8 +112,7 @@ static void run_crowd(gk_u32 policy, int some_indirect)
         const gk_u32 direct = some_indirect ? key & 1 : 1;
         const gk_u64 amount = (check_random(&seed) >> 33) % (GK_MATTE_ONE + 1);
         total += amount;
-        lost += gk_matte_deposit(table, SLOTS, key, direct, amount, policy,
-                                 (gk_u32)check_random(&seed));
+        lost += deposit(table, SLOTS, key, direct, amount, policy, (gk_u32)check_random(&seed));
     }
     assert_true(kept(table, SLOTS) + lost == total);
     assert_true(policy == GK_MATTE_USS && some_indirect < 2 ? lost == 0 : lost > 0);
@@ -119,6 +129,52 @@ static void kept_and_lost_make_the_total_with_10000_keys_on_a_pixel(void **state
     run_crowd(GK_MATTE_USS_DIRECT_FIRST, 2);
 }
 
+// As many slots as keys: each has all of its own.
+static void with_a_slot_for_every_key_10000_of_them_lose_nothing(void **state)
+{
+    (void)state;
+    enum { MATTES = 10000, KEYS = 2 * MATTES };
+    gk_u64 *table = calloc(KEYS, sizeof *table), *sum = calloc(KEYS, sizeof *sum);
+    struct gk_matte_lost lost = {0, 0};
+    uint64_t seed = 11;
+    for (int i = 0; i < 200000; i++) {
+        const uint64_t bits = check_random(&seed);
+        const gk_u32 matte = 1 + (gk_u32)(bits >> 33) % (MATTES - 1), bounced = bits & 1;
+        const gk_u64 amount = bits >> 8 & 0xffff;
+        gk_matte_deposit(table, KEYS, gk_matte_of_class(matte, bounced), !bounced, amount,
+                         GK_MATTE_EXACT, (gk_u32)bits, &lost);
+        sum[2 * matte + bounced] += amount;
+    }
+    assert_true(lost.primary == 0 && lost.bounced == 0);
+    for (int i = 0; i < KEYS; i++) {
+        const gk_u32 key = gk_matte_key(table[i]);
+        gk_u64 *of = &sum[2 * (key & GK_MATTE_BASE_KEY) + gk_matte_class(key)];
+        assert_true(gk_matte_amount(table[i]) == *of);
+        *of = 0; // it is held once
+    }
+    for (int i = 0; i < KEYS; i++)
+        assert_true(sum[i] == 0);
+    free(table);
+    free(sum);
+}
+
+// What is lost is told apart: of what is seen directly only where nothing else is left to go.
+static void what_is_lost_is_of_its_own_kind(void **state)
+{
+    (void)state;
+    gk_u64 table[2] = {0};
+    struct gk_matte_lost lost = {0, 0};
+    gk_matte_deposit(table, 2, 1, 1, 10, GK_MATTE_DROP, 0, &lost);
+    gk_matte_deposit(table, 2, BOUNCED(1), 0, 20, GK_MATTE_DROP, 0, &lost);
+    gk_matte_deposit(table, 2, BOUNCED(2), 0, 30, GK_MATTE_DROP, 0, &lost);
+    assert_true(lost.primary == 0 && lost.bounced == 30);
+    gk_matte_deposit(table, 2, 2, 1, 40, GK_MATTE_DROP, 0, &lost); // in the place of a bounce
+    assert_true(lost.primary == 0 && lost.bounced == 50);
+    gk_matte_deposit(table, 2, 3, 1, 60, GK_MATTE_DROP, 0, &lost);
+    assert_true(lost.primary == 60 && lost.bounced == 50);
+    assert_true(kept(table, 2) == 50);
+}
+
 // Sums are integers: what a table holds does not depend on the order while nothing is lost.
 static void order_does_not_matter_while_keys_fit(void **state)
 {
@@ -130,9 +186,8 @@ static void order_does_not_matter_while_keys_fit(void **state)
         for (int i = 0; i < 500; i++)
             key[i] = 1 + (gk_u32)(check_random(&seed) >> 40) % SLOTS;
         for (int i = 0; i < 500; i++) {
-            gk_matte_deposit(forward, SLOTS, key[i], 1, (gk_u64)key[i] + 3, GK_MATTE_DROP, 0);
-            gk_matte_deposit(backward, SLOTS, key[499 - i], 1, (gk_u64)key[499 - i] + 3,
-                             GK_MATTE_DROP, 0);
+            deposit(forward, SLOTS, key[i], 1, (gk_u64)key[i] + 3, GK_MATTE_DROP, 0);
+            deposit(backward, SLOTS, key[499 - i], 1, (gk_u64)key[499 - i] + 3, GK_MATTE_DROP, 0);
         }
         for (gk_u32 k = 1; k <= SLOTS; k++)
             assert_true(amount_of(forward, SLOTS, k) == amount_of(backward, SLOTS, k));
@@ -142,7 +197,7 @@ static void order_does_not_matter_while_keys_fit(void **state)
 static void fill(gk_u64 *table, gk_u32 first_key, gk_u32 count, gk_u32 direct)
 {
     for (gk_u32 i = 0; i < count; i++)
-        gk_matte_deposit(table, SLOTS, BOUNCED(first_key + i), direct, 100 + i, GK_MATTE_DROP, 0);
+        deposit(table, SLOTS, BOUNCED(first_key + i), direct, 100 + i, GK_MATTE_DROP, 0);
 }
 
 static void a_direct_newcomer_takes_the_smallest_indirect_slot(void **state)
@@ -150,8 +205,7 @@ static void a_direct_newcomer_takes_the_smallest_indirect_slot(void **state)
     (void)state;
     gk_u64 table[SLOTS] = {0};
     fill(table, 1, SLOTS, 0); // amounts 100..111
-    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_DIRECT_FIRST, 0) ==
-                100);
+    assert_true(deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_DIRECT_FIRST, 0) == 100);
     assert_true(amount_of(table, SLOTS, BOUNCED(500)) == 9 &&
                 amount_of(table, SLOTS, BOUNCED(1)) == 0);
     assert_true(amount_of(table, SLOTS, BOUNCED(2)) == 101);
@@ -162,10 +216,8 @@ static void a_direct_key_is_never_evicted(void **state)
     (void)state;
     gk_u64 table[SLOTS] = {0};
     fill(table, 1, SLOTS, 1);
-    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(500), 0, 9999, GK_MATTE_DIRECT_FIRST, 0) ==
-                9999);
-    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(501), 1, 9999, GK_MATTE_DIRECT_FIRST, 0) ==
-                9999);
+    assert_true(deposit(table, SLOTS, BOUNCED(500), 0, 9999, GK_MATTE_DIRECT_FIRST, 0) == 9999);
+    assert_true(deposit(table, SLOTS, BOUNCED(501), 1, 9999, GK_MATTE_DIRECT_FIRST, 0) == 9999);
     for (gk_u32 i = 0; i < SLOTS; i++)
         assert_true(amount_of(table, SLOTS, BOUNCED(1 + i)) == 100 + i);
 }
@@ -176,9 +228,9 @@ static void a_key_becomes_direct_and_stays_so(void **state)
     (void)state;
     gk_u64 table[SLOTS] = {0};
     fill(table, 1, SLOTS, 0);
-    gk_matte_deposit(table, SLOTS, BOUNCED(1), 1, 1, GK_MATTE_DIRECT_FIRST, 0);
-    gk_matte_deposit(table, SLOTS, BOUNCED(1), 0, 1, GK_MATTE_DIRECT_FIRST, 0);
-    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_DIRECT_FIRST, 0) ==
+    deposit(table, SLOTS, BOUNCED(1), 1, 1, GK_MATTE_DIRECT_FIRST, 0);
+    deposit(table, SLOTS, BOUNCED(1), 0, 1, GK_MATTE_DIRECT_FIRST, 0);
+    assert_true(deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_DIRECT_FIRST, 0) ==
                 101); // key 2's
     assert_true(amount_of(table, SLOTS, BOUNCED(1)) == 102);
 }
@@ -194,7 +246,7 @@ static void no_indirect_key_outlives_a_dropped_direct_one(void **state)
             const gk_u32 key = BOUNCED(1 + (gk_u32)(check_random(&seed) >> 40) % 40);
             const gk_u32 direct = (gk_u32)(check_random(&seed) >> 63);
             const uint64_t before = kept(table, SLOTS);
-            gk_matte_deposit(table, SLOTS, key, direct, 5, GK_MATTE_DIRECT_FIRST, 0);
+            deposit(table, SLOTS, key, direct, 5, GK_MATTE_DIRECT_FIRST, 0);
             dropped |= direct && kept(table, SLOTS) == before && !amount_of(table, SLOTS, key);
             for (int k = 0; dropped && k < SLOTS; k++)
                 assert_true(gk_matte_direct(table[k]));
@@ -207,8 +259,8 @@ static void dropping_never_evicts(void **state)
     (void)state;
     gk_u64 table[SLOTS] = {0};
     fill(table, 1, SLOTS, 0);
-    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_DROP, 0) == 9);
-    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(3), 1, 9, GK_MATTE_DROP, 0) == 0);
+    assert_true(deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_DROP, 0) == 9);
+    assert_true(deposit(table, SLOTS, BOUNCED(3), 1, 9, GK_MATTE_DROP, 0) == 0);
 }
 
 // What is seen directly, of class 0, is as it would be without any bounce.
@@ -223,10 +275,10 @@ static void bounces_change_nothing_of_what_is_seen_directly(void **state)
             const gk_u32 primary = check_random(&seed) >> 63;
             const gk_u32 direct = primary | (gk_u32)(check_random(&seed) >> 63);
             const gk_u32 random = (gk_u32)check_random(&seed);
-            gk_matte_deposit(mixed, SLOTS, primary ? matte : BOUNCED(matte), direct, 7,
-                             (gk_u32)round / 2 % 4, random);
+            deposit(mixed, SLOTS, primary ? matte : BOUNCED(matte), direct, 7,
+                    (gk_u32)round / 2 % 4, random);
             if (primary)
-                gk_matte_deposit(alone, SLOTS, matte, 1, 7, GK_MATTE_DROP, random);
+                deposit(alone, SLOTS, matte, 1, 7, GK_MATTE_DROP, random);
         }
         for (gk_u32 matte = 1; matte <= 20; matte++)
             assert_true(amount_of(mixed, SLOTS, matte) == amount_of(alone, SLOTS, matte));
@@ -238,12 +290,11 @@ static void a_direct_newcomer_hands_what_it_evicts_to_the_next(void **state)
     (void)state;
     gk_u64 table[SLOTS] = {0};
     fill(table, 1, SLOTS, 0); // amounts 100..111
-    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_USS_DIRECT_FIRST,
-                                 UINT32_MAX) == 0);
+    assert_true(deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_USS_DIRECT_FIRST, UINT32_MAX) ==
+                0);
     assert_true(amount_of(table, SLOTS, BOUNCED(500)) == 9);
     assert_true(amount_of(table, SLOTS, BOUNCED(2)) == 201); // the draw was against key 1
-    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(501), 1, 9, GK_MATTE_USS_DIRECT_FIRST, 0) ==
-                0);
+    assert_true(deposit(table, SLOTS, BOUNCED(501), 1, 9, GK_MATTE_USS_DIRECT_FIRST, 0) == 0);
     assert_true(amount_of(table, SLOTS, BOUNCED(3)) == 102 + 103); // and for it
     assert_true(amount_of(table, SLOTS, BOUNCED(4)) == 0);
 }
@@ -254,12 +305,9 @@ static void the_last_indirect_slot_goes_without_an_heir(void **state)
     gk_u64 table[SLOTS] = {0};
     fill(table, 1, SLOTS - 1, 1);
     fill(table, 100, 1, 0);
-    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_USS_DIRECT_FIRST, 0) ==
-                100);
-    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(501), 0, 5, GK_MATTE_USS_DIRECT_FIRST, 0) ==
-                5);
-    assert_true(gk_matte_deposit(table, SLOTS, BOUNCED(502), 1, 5, GK_MATTE_USS_DIRECT_FIRST, 0) ==
-                0);
+    assert_true(deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_USS_DIRECT_FIRST, 0) == 100);
+    assert_true(deposit(table, SLOTS, BOUNCED(501), 0, 5, GK_MATTE_USS_DIRECT_FIRST, 0) == 5);
+    assert_true(deposit(table, SLOTS, BOUNCED(502), 1, 5, GK_MATTE_USS_DIRECT_FIRST, 0) == 0);
     assert_true(kept(table, SLOTS) == 9 + 5 + 11 * 100 + 55);
 }
 
@@ -299,8 +347,7 @@ static void mattes_are_unbiased(gk_u32 policy)
             gk_u32 k = 0;
             while (k < CROWD - 1 && (u -= share[k]) > 0.0)
                 k++;
-            gk_matte_deposit(table, SLOTS, BOUNCED(1 + k), 0, 1000, policy,
-                             (gk_u32)check_random(&seed));
+            deposit(table, SLOTS, BOUNCED(1 + k), 0, 1000, policy, (gk_u32)check_random(&seed));
         }
         assert_true(kept(table, SLOTS) == 1000u * TAKES);
         for (int part = 0; part < 4; part++) {
@@ -344,8 +391,8 @@ static void fixed_point_is_double_precision_to_2_to_the_minus_17_a_deposit(void 
         const float weight = check_uniform(&seed);
         count[key]++;
         matte_double_deposit(exact, SLOTS, key, weight);
-        assert_true(gk_matte_deposit(table, SLOTS, key, 0, gk_matte_units(weight), GK_MATTE_USS,
-                                     (gk_u32)check_random(&seed)) == 0);
+        assert_true(deposit(table, SLOTS, key, 0, gk_matte_units(weight), GK_MATTE_USS,
+                            (gk_u32)check_random(&seed)) == 0);
     }
     for (int s = 0; s < SLOTS; s++) {
         if (!exact[s].key)
@@ -362,11 +409,10 @@ static void a_full_counter_saturates_and_counts_the_rest(void **state)
     (void)state;
     gk_u64 table[SLOTS] = {0};
     const gk_u64 nearly = GK_MATTE_MAX_AMOUNT - 10;
-    assert_true(gk_matte_deposit(table, SLOTS, 1, 1, nearly, GK_MATTE_DROP, 0) == 0);
-    assert_true(gk_matte_deposit(table, SLOTS, 1, 1, 10, GK_MATTE_DROP, 0) == 0);
-    assert_true(gk_matte_deposit(table, SLOTS, 1, 1, 10, GK_MATTE_DROP, 0) == 10);
-    assert_true(gk_matte_deposit(table, SLOTS, 2, 1, GK_MATTE_MAX_AMOUNT + 4, GK_MATTE_DROP, 0) ==
-                4);
+    assert_true(deposit(table, SLOTS, 1, 1, nearly, GK_MATTE_DROP, 0) == 0);
+    assert_true(deposit(table, SLOTS, 1, 1, 10, GK_MATTE_DROP, 0) == 0);
+    assert_true(deposit(table, SLOTS, 1, 1, 10, GK_MATTE_DROP, 0) == 10);
+    assert_true(deposit(table, SLOTS, 2, 1, GK_MATTE_MAX_AMOUNT + 4, GK_MATTE_DROP, 0) == 4);
     assert_true(kept(table, SLOTS) == 2 * GK_MATTE_MAX_AMOUNT);
     assert_int_equal(gk_matte_key(table[gk_matte_start(1, SLOTS)]), 1); // fields did not overflow
 }
@@ -412,6 +458,8 @@ int main(void)
         cmocka_unit_test(nothing_deposited_takes_no_slot),
         cmocka_unit_test(a_table_holds_as_many_keys_as_it_has_slots),
         cmocka_unit_test(kept_and_lost_make_the_total_with_10000_keys_on_a_pixel),
+        cmocka_unit_test(with_a_slot_for_every_key_10000_of_them_lose_nothing),
+        cmocka_unit_test(what_is_lost_is_of_its_own_kind),
         cmocka_unit_test(order_does_not_matter_while_keys_fit),
         cmocka_unit_test(a_direct_newcomer_takes_the_smallest_indirect_slot),
         cmocka_unit_test(a_direct_key_is_never_evicted),

@@ -136,6 +136,7 @@ const struct effect_forcing effect_forcings[] = {
     {"mattes through glossy lobes", &effect_glass, "mattes through bounces|ID coverage"},
     {"full mattes of opaque surfaces", &effect_glass,
      "mattes through glossy lobes|mattes through bounces|ID coverage"},
+    {"each matte once on a path", &effect_glass, "mattes through bounces|ID coverage"},
 };
 const size_t effect_forcing_count = sizeof effect_forcings / sizeof *effect_forcings;
 
@@ -289,9 +290,15 @@ const struct effect_cause effect_causes[] = {
      "mattes through glossy lobes|mattes through bounces|ID coverage|" CONSTANT},
     {"full mattes of opaque surfaces",
      {SKY, "'ior':1", "", "", 24},
+     {"'beauty','crypto_object'", "box",
+      "'mattes':{'through':'delta','coverage':'opaque_full','path_ids':'previous'},", 3},
+     "full mattes of opaque surfaces|mattes through bounces|ID coverage|" CONSTANT},
+    {"each matte once on a path",
+     {SKY, "'ior':1", "", "", 24},
      {"'beauty','crypto_object'", "box", "'mattes':{'through':'delta','coverage':'opaque_full'},",
       3},
-     "full mattes of opaque surfaces|mattes through bounces|ID coverage|" CONSTANT},
+     "each matte once on a path|full mattes of opaque surfaces|mattes through bounces|"
+     "ID coverage|" CONSTANT},
 };
 const size_t effect_cause_count = sizeof effect_causes / sizeof *effect_causes;
 

@@ -83,6 +83,25 @@ static void every_sample_is_given_away_whole(void **state)
     }
 }
 
+// Where all names have a slot, as the scene's few have among 32.
+static void exact_eviction_is_what_slots_enough_give(void **state)
+{
+    (void)state;
+    struct shot exact, slots;
+    take(&exact, room,
+         JOB(OBJECTS ",'crypto_material','matte_sums'",
+             "'through':'glossy','classes':true,'eviction':'exact'", SAMPLES(16)));
+    take(&slots, room,
+         JOB(OBJECTS ",'crypto_material','matte_sums'",
+             "'through':'glossy','classes':true,'slots':32", SAMPLES(16)));
+    stable_assert_same(exact.frame, slots.frame);
+    const float *kept = glint_frame_find(exact.frame, "sums.primary");
+    for (size_t p = 0; p < pixels(exact.frame); p++)
+        assert_true(kept[p] == 1.0f);
+    finish_shot(&exact);
+    finish_shot(&slots);
+}
+
 static void the_picture_and_what_is_seen_directly_are_the_same_without(void **state)
 {
     (void)state;
@@ -236,6 +255,43 @@ static void full_mattes_of_opaque_surfaces_take_nothing_from_what_follows(void *
     finish_shot(&s);
 }
 
+// Nine vertices between mirrors that lose nothing: by Eq. 8 as it is printed the first is covered
+// five times, the second four times; with a list of what the path has met, once each.
+static void a_list_of_what_was_met_covers_each_once(void **state)
+{
+    (void)state;
+    static const char white[] = "{" CAMERA(
+        0.001) "'environment':{'radiance':[1,1,1]},'meshes':{'quad':{'primitive':'quad'}},"
+               "'materials':{'m':{'metallic':1,'roughness':0,'base_color':[1,1,1]}},"
+               "'objects':{'ahead':{},'behind':{}},'instances':{" QUAD(
+                   "ahead", "m", TURNED, -1, 100) "," QUAD("behind", "m", "", 1, 100) "}}";
+    static const struct {
+        const char *job;
+        double ahead, behind;
+    } rule[] = {
+        {JOB(OBJECTS ",'matte_sums'",
+             "'through':'delta','coverage':'opaque_full','path_ids':'previous'", SAMPLES(16)),
+         5, 4},
+        {JOB(OBJECTS ",'matte_sums'",
+             "'through':'glossy','coverage':'opaque_full','path_ids':'list'", SAMPLES(16)),
+         1, 1},
+        {JOB(OBJECTS ",'matte_sums'", "'through':'delta','coverage':'opaque_full','classes':true",
+             SAMPLES(16)),
+         0, 1}};
+    for (size_t i = 0; i < COUNT(rule); i++) {
+        struct shot s;
+        take(&s, white, rule[i].job);
+        const char *type = i == 2 ? "CryptoReflObject" : "CryptoGlossObject";
+        const float *sum = glint_frame_find(s.frame, "sums.bounced");
+        for (size_t p = 0; p < pixels(s.frame); p++) {
+            assert_within(coverage_of(s.frame, type, "ahead", p) - rule[i].ahead, 1e-3);
+            assert_within(coverage_of(s.frame, type, "behind", p) - rule[i].behind, 1e-3);
+            assert_within(sum[p] - rule[i].ahead - rule[i].behind, 2e-3);
+        }
+        finish_shot(&s);
+    }
+}
+
 // ---- one bounce off rough metal under a ceiling without end, by quadrature
 
 #define CEILING 30.0 // metres above the floor
@@ -319,6 +375,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_sample_is_given_away_whole),
+        cmocka_unit_test(exact_eviction_is_what_slots_enough_give),
         cmocka_unit_test(the_picture_and_what_is_seen_directly_are_the_same_without),
         cmocka_unit_test(reflection_and_refraction_make_what_is_seen_by_bounces),
         cmocka_unit_test(facing_mirrors_share_as_a_geometric_series),
@@ -326,6 +383,7 @@ int main(void)
         cmocka_unit_test(without_the_cut_they_lose_some),
         cmocka_unit_test(clear_glass_gives_its_place_to_what_is_behind),
         cmocka_unit_test(full_mattes_of_opaque_surfaces_take_nothing_from_what_follows),
+        cmocka_unit_test(a_list_of_what_was_met_covers_each_once),
         cmocka_unit_test(rough_metal_hands_on_the_integral_of_eq_1),
     };
     return cmocka_run_group_tests(tests, things_start, things_finish);

@@ -139,6 +139,17 @@ static void coverage_through_bounces_makes_one_frame(void **state)
 }
 
 // Three names and the background do not fit into what two films have kept of them.
+// With a slot for every name there is, whatever the number that is asked for.
+static void exact_coverage_makes_one_frame(void **state)
+{
+    (void)state;
+#define EXACT "'mattes':{'levels':1,'slots':4,'through':'glossy','eviction':'exact'},"
+    static const char *const three[] = {EXACT "'sample_range':[0,5],",
+                                        EXACT "'sample_range':[5,6],",
+                                        EXACT "'sample_range':[6,12],"};
+    check_split(three, 3, EXACT "'stop':{'samples':12},");
+}
+
 static void names_that_found_no_slot_are_warned_of(void **state)
 {
     (void)state;
@@ -308,6 +319,7 @@ int main(void)
         cmocka_unit_test(odd_sample_ranges_make_one_frame),
         cmocka_unit_test(boxes_of_pixels_and_samples_make_one_frame),
         cmocka_unit_test(coverage_through_bounces_makes_one_frame),
+        cmocka_unit_test(exact_coverage_makes_one_frame),
         cmocka_unit_test(names_that_found_no_slot_are_warned_of),
         cmocka_unit_test(sum_is_a_film_that_goes_on),
         cmocka_unit_test(overlaps_are_refused_each_with_its_pixels_and_samples),

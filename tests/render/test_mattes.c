@@ -346,7 +346,8 @@ static double strip_totals(const struct shot *s, double covered[STRIPS])
     for (size_t i = 0; i < totals.count[GLINT_MATTE_OBJECT]; i++)
         if (total[i].name[0] == 's')
             covered[atoi(total[i].name + 1)] = total[i].coverage[0];
-    const double lost = totals.lost;
+    const double lost = totals.lost[0];
+    assert_true(totals.lost[1] == 0.0);
     glint_matte_totals_finish(&totals);
     return lost;
 }
@@ -409,6 +410,19 @@ static void what_finds_no_slot_is_reported_and_credited_to_nobody(void **state)
     }
 }
 
+static void exact_eviction_keeps_all_that_a_pixel_shows(void **state)
+{
+    (void)state;
+    double truth[STRIPS] = {0}, covered[STRIPS] = {0};
+    struct shot s;
+    true_coverages(truth);
+    shoot_strips(&s, 0, STRIPS, "\"mattes\":{\"eviction\":\"exact\"},");
+    assert_true(strip_totals(&s, covered) == 0.0);
+    assert_memory_equal(covered, truth, sizeof truth);
+    assert_float_equal(strips_together(&s), 1.0, 1e-12);
+    finish_shot(&s);
+}
+
 static void both_evictions_keep_the_same_of_what_is_seen_directly(void **state)
 {
     (void)state;
@@ -436,6 +450,7 @@ int main(void)
         cmocka_unit_test(ranks_descend_each_id_has_one_and_so_has_the_background),
         cmocka_unit_test(fewer_levels_are_the_first_ranks_of_more_whatever_the_slots),
         cmocka_unit_test(what_finds_no_slot_is_reported_and_credited_to_nobody),
+        cmocka_unit_test(exact_eviction_keeps_all_that_a_pixel_shows),
         cmocka_unit_test(both_evictions_keep_the_same_of_what_is_seen_directly),
     };
     return cmocka_run_group_tests(tests, things_start, things_finish);

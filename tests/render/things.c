@@ -123,7 +123,7 @@ double lost_in(const struct shot *s)
     struct glint_matte_totals totals;
     assert_int_equal(glint_render_mattes(s->render, 1u << GLINT_MATTE_OBJECT, &totals, NULL),
                      GLINT_OK);
-    const double lost = totals.lost;
+    const double lost = totals.lost[0] + totals.lost[1];
     glint_matte_totals_finish(&totals);
     return lost;
 }

@@ -358,7 +358,7 @@ glint_status glint_render_mattes(glint_render *render, uint32_t layers,
                                  struct glint_matte_totals *out, struct glint_error *err)
 {
     (void)render, (void)err;
-    *out = (struct glint_matte_totals){.lost = 0};
+    *out = (struct glint_matte_totals){.lost = {0.0, 0.0}};
     for (int l = 0; l < GLINT_MATTE_LAYERS; l++) {
         if (!(layers >> l & 1))
             continue;

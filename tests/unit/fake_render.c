@@ -306,8 +306,11 @@ uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struc
     return (uint64_t)job->width * job->height;
 }
 
-uint64_t glint_render_wave_bytes(uint32_t workers)
+uint64_t glint_render_wave_bytes(const struct glint_resident *scene, const struct glint_job *job,
+                                 uint32_t workers)
 {
+    (void)scene;
+    (void)job;
     (void)workers;
     return 0;
 }

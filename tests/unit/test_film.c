@@ -26,8 +26,24 @@ static glint_film *film_of(uint32_t width, uint32_t height, uint32_t outputs)
     struct glint_error err = {0};
     glint_film *film = NULL;
     glint_plan_make(&plan, &in, 0);
-    assert_int_equal(glint_film_create(&film, o.devices, &plan, &job, &err), GLINT_OK);
+    assert_int_equal(glint_film_create(&film, o.devices, &plan, &job, 12, &err), GLINT_OK);
     return film;
+}
+
+static void exact_coverage_has_a_limit_that_is_named(void **state)
+{
+    (void)state;
+    struct glint_job job = {.dial = {[GLINT_DIAL_EVICTION] = GLINT_EVICTION_EXACT}};
+    struct glint_error err = {0};
+    assert_int_equal(glint_matte_slots(&job, 16383), 2 * 16383);
+    assert_int_equal(glint_matte_check(&job, 16383, "/p", &err), GLINT_OK);
+    assert_int_equal(glint_matte_check(&job, 16384, "/p", &err), GLINT_E_RANGE);
+    assert_string_equal(err.fault[0].pointer, "/p");
+    assert_non_null(strstr(err.fault[0].detail, "32768 slots"));
+    glint_error_finish(&err);
+    job.dial[GLINT_DIAL_EVICTION] = GLINT_EVICTION_USS;
+    job.matte_slots = 12;
+    assert_int_equal(glint_matte_slots(&job, 16384), 12);
 }
 
 static void tiles_cover_a_region_of_any_size(void **state)
@@ -53,7 +69,7 @@ static void tiles_share_no_memory(void **state)
         struct glint_film_tile at;
         glint_film_tile(film, t, &at);
         assert_int_equal(at.planes_offset, t * words);
-        assert_int_equal(at.tables_offset, t * 13 * GK_TILE_PIXELS);
+        assert_int_equal(at.tables_offset, t * 14 * GK_TILE_PIXELS);
     }
     glint_film_destroy(&film);
 }
@@ -213,6 +229,7 @@ static int finish(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(exact_coverage_has_a_limit_that_is_named),
         cmocka_unit_test(tiles_cover_a_region_of_any_size),
         cmocka_unit_test(tiles_share_no_memory),
         cmocka_unit_test(depth_starts_at_a_miss),

@@ -95,10 +95,10 @@ static void unknown_members_are_faults_that_say_what_exists(void **state)
     refuse("{'scene':'a','surfels':{'count':1},'poisson':{},'layers':{},'split':{},'smaples':1}",
            "/surfels=max_bounces|/poisson|/layers|/split|/smaples");
     refuse("{'scene':'a','accuracy':{'through':'none','speed':1},'mattes':{'gi':'path','beta':0.1,"
-           "'path_ids':'list'},"
+           "'path_list':1},"
            "'filter':{'radius':1},'stop':{'sample':1},'camera':{'yfov':1,'fov':1}}",
            "/accuracy/through=traversal|/accuracy/speed|/mattes/gi|/mattes/beta=eviction|/mattes/"
-           "path_ids|"
+           "path_list|"
            "/filter/radius=kind, width|/stop/sample|/camera/fov");
 }
 
@@ -108,10 +108,18 @@ static void settings_of_methods_that_do_not_exist_are_faults(void **state)
     refuse(
         "{'scene':'a','outputs':['beauty','gi'],"
         "'accuracy':{'preset':'preview','gi':'surfel','transparency':'layered','primary':'split'},"
-        "'mattes':{'through':'all','eviction':'exact'}}",
+        "'mattes':{'through':'all','eviction':'all'}}",
         "/outputs/1=crypto_asset|/accuracy/preset=production, reference|"
         "/accuracy/gi=path, none|/accuracy/transparency=traced|/accuracy/primary=full|"
-        "/mattes/through=glossy, delta, none|/mattes/eviction=drop, direct_first, uss");
+        "/mattes/through=glossy, delta, none|/mattes/eviction=exact, drop, direct_first, uss");
+}
+
+static void what_does_not_go_with_mattes_is_a_fault(void **state)
+{
+    (void)state;
+    refuse("{'scene':'a','live':true,'mattes':{'eviction':'exact'}}", "/mattes/eviction=live");
+    refuse("{'scene':'a','outputs':['beauty','matte_sums']}", "/outputs=crypto_object");
+    refuse("{'scene':'a','mattes':{'path_ids':'all'}}", "/mattes/path_ids=list, previous");
 }
 
 static void a_live_job_stops_by_samples_or_seconds(void **state)
@@ -294,7 +302,7 @@ static void outputs_have_names_both_ways(void **state)
             assert_int_equal(glint_output_from_name(glint_output_name(1u << bit)), 1u << bit);
             all |= 1u << bit;
         }
-    assert_int_equal(all, (GLINT_OUT_MOTION << 1) - 1);
+    assert_int_equal(all, (GLINT_OUT_MATTE_SUMS << 1) - 1);
     assert_int_equal(glint_output_from_name("gi"), 0);
     assert_null(glint_output_name(3));
 }
@@ -413,6 +421,7 @@ int main(void)
         cmocka_unit_test(three_faults_are_one_error_that_names_all_three),
         cmocka_unit_test(unknown_members_are_faults_that_say_what_exists),
         cmocka_unit_test(settings_of_methods_that_do_not_exist_are_faults),
+        cmocka_unit_test(what_does_not_go_with_mattes_is_a_fault),
         cmocka_unit_test(a_live_job_stops_by_samples_or_seconds),
         cmocka_unit_test(time_is_frames_and_the_part_of_them_that_the_shutter_is_open),
         cmocka_unit_test(a_preset_sets_the_dials_and_explicit_ones_override_it),
