@@ -127,7 +127,7 @@ STABILITY_TESTS = \
 	tests/stability/test_texture
 check_PROGRAMS += $(UNIT_TESTS) $(STABILITY_TESTS)
 endif
-check_PROGRAMS += tests/accuracy/forecast tests/render/render_file tests/render/write_frame tests/unit/import_dump
+check_PROGRAMS += tests/accuracy/forecast tests/accuracy/frame_error tests/render/render_file tests/render/write_frame tests/unit/import_dump
 offline = tests/render/offline.c tests/render/offline.h
 picture = tests/render/picture.c tests/render/picture.h
 things = tests/render/things.c tests/render/things.h $(picture)
@@ -238,6 +238,7 @@ served = tests/unit/http_fixture.c tests/unit/http_fixture.h tests/unit/fake_hou
 	tests/unit/fake_house.h
 tests_unit_test_http_SOURCES = tests/unit/test_http.c $(served)
 tests_unit_test_http_streams_SOURCES = tests/unit/test_http_streams.c $(served)
+tests_accuracy_frame_error_LDADD = libglintcli.a $(PROTOCOL_LIBS)
 tests_unit_test_accuracy_metric_LDADD = libglintcli.a $(LDADD)
 tests_unit_test_accuracy_stat_LDADD = libglintcli.a $(LDADD)
 tests_clients_test_sse_LDADD = libglintcli.a $(LDADD)
@@ -289,7 +290,7 @@ SCRIPT_TESTS = \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
-dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised \
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/accuracy/choose tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised \
 	tests/stability/matrix tests/stability/nightly
 dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
 	tests/clients/blender_cryptomatte.py tests/clients/browser.py tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \

@@ -12,7 +12,8 @@
 #define MAX_COLUMNS 32
 #define ROW struct glint_accuracy_row
 
-enum kind { TEXT, COUNT, NUMBER, EMPTY };
+// Rays are told to the last, other figures to six digits.
+enum kind { TEXT, COUNT, RAYS, NUMBER, EMPTY };
 
 struct column {
     const char *name;
@@ -28,6 +29,10 @@ struct column {
     {                                         \
         name, COUNT, offsetof(ROW, member), 0 \
     }
+#define RAYS_OF(name, member)                \
+    {                                        \
+        name, RAYS, offsetof(ROW, member), 0 \
+    }
 #define NUMBER_OF(name, member)                \
     {                                          \
         name, NUMBER, offsetof(ROW, member), 0 \
@@ -41,9 +46,9 @@ static const struct column columns[] = {
     TEXT_OF("value", value),
     TEXT_OF("seed", seed),
     COUNT_OF("spp", spp),
-    NUMBER_OF("rays_camera", rays[0]),
-    NUMBER_OF("rays_bounce", rays[1]),
-    NUMBER_OF("rays_shadow", rays[2]),
+    RAYS_OF("rays_camera", rays[0]),
+    RAYS_OF("rays_bounce", rays[1]),
+    RAYS_OF("rays_shadow", rays[2]),
     NUMBER_OF("cpu_s", cpu),
     NUMBER_OF("wall_s", wall),
     COUNT_OF("threads", threads),
@@ -127,8 +132,8 @@ static void write_cell(struct glint_text *t, const struct column *c, const ROW *
         glint_text_add(t, at);
     else if (c->kind == COUNT)
         glint_text_print(t, "%u", *(const unsigned *)at);
-    else if (c->kind == NUMBER && isfinite(*(const double *)at))
-        glint_text_print(t, "%.9g", *(const double *)at);
+    else if (c->kind != EMPTY && isfinite(*(const double *)at))
+        glint_text_print(t, c->kind == RAYS ? "%.0f" : "%.6g", *(const double *)at);
 }
 
 static void write_row(struct glint_text *t, const struct column *c, size_t count, const ROW *row)

@@ -86,6 +86,18 @@ static glint_status download(struct glint_session *s, const struct glint_order *
     return status;
 }
 
+// What the daemon has picked, where it was to.
+static void tell_chosen(struct glint_session *s, const cJSON *job)
+{
+    const cJSON *chosen = cJSON_GetObjectItemCaseSensitive(job, "chosen");
+    const cJSON *error = cJSON_GetObjectItemCaseSensitive(chosen, "expected_error");
+    if (!s->json && cJSON_IsNumber(error))
+        glint_progress_note(&s->progress, "picked %s from the front of %s; expected error %.3g",
+                            text_of(chosen, "row"),
+                            strcmp(text_of(chosen, "from"), "scene") ? "its class" : "this scene",
+                            error->valuedouble);
+}
+
 static void report(struct glint_session *s, const struct glint_order *o, cJSON *job)
 {
     if (s->json) {
@@ -161,6 +173,8 @@ static glint_status render(struct glint_session *s, const struct glint_order *o,
     glint_status status = upload(s, o, &revision, err);
     if (!status)
         status = submit(s, o, &job, err);
+    if (!status)
+        tell_chosen(s, job);
     const char *id = text_of(job, "id");
     const glint_status stale = status ? GLINT_OK : check_revision(job, revision, err);
     if (!status)

@@ -115,6 +115,19 @@ def check_resumed(daemon, folder):
     assert of_seed(again, "colour", "2") == of_seed(table, "colour", "2")  # images repeat bit for bit
 
 
+def test_a_render_has_its_settings_picked_and_says_so():
+    with Daemon() as daemon, tempfile.TemporaryDirectory() as base:
+        daemon.put("room", ROOM)
+        frame = os.path.join(base, "frame.exr")
+        done = cli.glint("render", "room", "-r", "24x16", "--reach", "0.5", "-o", frame,
+                         server=daemon.url)
+        assert done.returncode == 0 and os.path.getsize(frame) > 500, done.stderr
+        assert "from the front of its class; expected error" in done.stderr, done.stderr
+        both = cli.glint("render", "room", "--reach", "0.5", "--within", "1", "-o", frame,
+                         server=daemon.url)
+        assert both.returncode == 1 and "/accuracy/error" in both.stderr
+
+
 def test_what_cannot_be_measured_is_a_fault_of_the_command_line_or_the_daemons():
     with Daemon() as daemon, tempfile.TemporaryDirectory() as base:
         daemon.put("room", ROOM)
