@@ -51,8 +51,12 @@ static double run(struct bench *b, glint_render *render)
     struct glint_error err = {0};
     for (uint32_t s = 0; s < SLICES; s++) {
         const uint32_t tile = s * 7 % (COLUMNS * ROWS);
-        const struct glint_slice slice = {
-            tile, tile % COLUMNS * 16, tile / COLUMNS * 16, 16, 16, 0, 16, 0};
+        const struct glint_slice slice = {.block = tile,
+                                          .x = tile % COLUMNS * 16,
+                                          .y = tile / COLUMNS * 16,
+                                          .w = 16,
+                                          .h = 16,
+                                          .samples = 16};
         if (glint_render_run(render, b->worker, &slice, &err))
             offline_die("slice", &err);
     }
