@@ -135,11 +135,15 @@ static glint_status recolour_name(const struct wish *w, const struct glint_image
                                   struct glint_recolour *r, size_t i, uint32_t id,
                                   struct outcome *o, struct glint_error *err)
 {
-    float *matte = calloc((size_t)r->width * r->height, sizeof *matte);
+    const size_t pixels = (size_t)r->width * r->height;
+    float *matte = calloc(pixels, 2 * sizeof *matte);
     if (!matte)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a matte");
     r->matte = matte;
+    r->direct = matte + pixels;
     glint_status status = glint_through_matte(file->frame, o->type, w->through, id, matte, err);
+    if (!status)
+        status = glint_through_matte(file->frame, o->type, NULL, id, matte + pixels, err);
     if (!status)
         status = glint_recolour(r, &o->name[i].old, &o->name[i].pixels, err);
     if (status == GLINT_OK && o->name[i].pixels <= 0)

@@ -31,16 +31,16 @@ static double weight(float coverage)
     return a4 * a4;
 }
 
-// Mean over the pixels that are covered by `least`; false: there are none.
-static bool mean_of(const struct glint_recolour *r, float *const plane[3], float least,
-                    struct glint_rgb *out)
+// Mean over the pixels that the matte covers by `least`; false: there are none.
+static bool mean_of(const struct glint_recolour *r, const float *matte, float *const plane[3],
+                    float least, struct glint_rgb *out)
 {
     double total = 0;
     *out = (struct glint_rgb){{0}};
     for (size_t i = 0; i < (size_t)r->width * r->height; i++) {
-        if (!usable(r->matte[i]) || r->matte[i] < least || !finite_at(plane, i))
+        if (!usable(matte[i]) || matte[i] < least || !finite_at(plane, i))
             continue;
-        const double w = weight(r->matte[i]);
+        const double w = weight(matte[i]);
         for (int k = 0; k < 3; k++)
             out->c[k] += w * fmax(plane[k][i], 0);
         total += w;
@@ -51,12 +51,10 @@ static bool mean_of(const struct glint_recolour *r, float *const plane[3], float
 }
 
 // Of the pixels that are the matte's alone, where it has any.
-static struct glint_rgb mean(const struct glint_recolour *r, float *const plane[3])
+static bool mean(const struct glint_recolour *r, const float *matte, float *const plane[3],
+                 struct glint_rgb *out)
 {
-    struct glint_rgb m;
-    if (!mean_of(r, plane, WHOLE, &m))
-        mean_of(r, plane, 0, &m);
-    return m;
+    return mean_of(r, matte, plane, WHOLE, out) || mean_of(r, matte, plane, 0, out);
 }
 
 static int leading(struct glint_rgb colour)
@@ -67,13 +65,13 @@ static int leading(struct glint_rgb colour)
 
 static struct glint_rgb old_colour(const struct glint_recolour *r)
 {
-    if (r->albedo[0]) {
-        struct glint_rgb a = mean(r, r->albedo);
+    struct glint_rgb a;
+    if (r->albedo[0] && mean(r, r->direct, r->albedo, &a)) {
         const int j = leading(a);
         a.c[j] = fmax(a.c[j], DARKEST);
         return a;
     }
-    struct glint_rgb a = mean(r, r->picture);
+    mean(r, r->matte, r->picture, &a);
     const double now = glint_rgb_luminance(a), then = glint_rgb_luminance(r->colour);
     for (int k = 0; k < 3; k++)
         a.c[k] = now > 0 ? a.c[k] * then / now : 0;
@@ -95,18 +93,18 @@ static struct transform make_transform(struct glint_rgb old, struct glint_rgb ne
 }
 
 // F at a pixel that other things share.
-static void estimate(const struct glint_recolour *r, float *const plane[3], size_t x, size_t y,
-                     double f[3])
+static void estimate(const struct glint_recolour *r, const float *matte, float *const plane[3],
+                     size_t x, size_t y, double f[3])
 {
     const size_t left = x < REACH ? 0 : x - REACH, top = y < REACH ? 0 : y - REACH;
     double sum[3] = {0}, total = 0;
     for (size_t v = top; v <= y + REACH && v < r->height; v++)
         for (size_t u = left; u <= x + REACH && u < r->width; u++) {
             const size_t i = v * r->width + u;
-            if (!usable(r->matte[i]) || !finite_at(plane, i))
+            if (!usable(matte[i]) || !finite_at(plane, i))
                 continue;
             const double dx = (double)u - (double)x, dy = (double)v - (double)y;
-            const double w = weight(r->matte[i]) / (1 + dx * dx + dy * dy);
+            const double w = weight(matte[i]) / (1 + dx * dx + dy * dy);
             for (int k = 0; k < 3; k++)
                 sum[k] += w * plane[k][i];
             total += w;
@@ -115,14 +113,15 @@ static void estimate(const struct glint_recolour *r, float *const plane[3], size
         f[k] = total > 0 ? sum[k] / total : 0;
 }
 
-static void change_pixel(const struct glint_recolour *r, const struct transform *t,
-                         float *const in[3], float *const out[3], size_t x, size_t y)
+static void change_pixel(const struct glint_recolour *r, const float *matte,
+                         const struct transform *t, float *const in[3], float *const out[3],
+                         size_t x, size_t y)
 {
     const size_t i = y * r->width + x;
-    const double alpha = fmin(r->matte[i], 1);
+    const double alpha = fmin(matte[i], 1);
     double f[3];
     if (alpha < WHOLE)
-        estimate(r, in, x, y, f);
+        estimate(r, matte, in, x, y, f);
     for (int k = 0; k < 3; k++)
         f[k] = alpha < WHOLE ? fmin(f[k], in[k][i] / alpha) : in[k][i];
     for (int k = 0; k < 3; k++)
@@ -130,8 +129,9 @@ static void change_pixel(const struct glint_recolour *r, const struct transform 
 }
 
 // Edges look at their neighbours as they were.
-static glint_status change(const struct glint_recolour *r, const struct transform *t,
-                           float *const plane[3], struct glint_error *err)
+static glint_status change(const struct glint_recolour *r, const float *matte,
+                           const struct transform *t, float *const plane[3],
+                           struct glint_error *err)
 {
     const size_t pixels = (size_t)r->width * r->height;
     float *copy = malloc(3 * pixels * sizeof *copy);
@@ -142,10 +142,25 @@ static glint_status change(const struct glint_recolour *r, const struct transfor
         memcpy(in[k], plane[k], pixels * sizeof *copy);
     for (size_t y = 0; y < r->height; y++)
         for (size_t x = 0; x < r->width; x++)
-            if (usable(r->matte[y * r->width + x]))
-                change_pixel(r, t, in, plane, x, y);
+            if (usable(matte[y * r->width + x]))
+                change_pixel(r, matte, t, in, plane, x, y);
     free(copy);
     return GLINT_OK;
+}
+
+// The albedo under what both mattes have.
+static glint_status change_albedo(const struct glint_recolour *r, const struct transform *t,
+                                  struct glint_error *err)
+{
+    const size_t pixels = (size_t)r->width * r->height;
+    float *both = malloc(pixels * sizeof *both);
+    if (!both)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %zu pixels", pixels);
+    for (size_t i = 0; i < pixels; i++)
+        both[i] = fminf(r->direct[i], r->matte[i]);
+    const glint_status st = change(r, both, t, r->albedo, err);
+    free(both);
+    return st;
 }
 
 glint_status glint_recolour(const struct glint_recolour *r, struct glint_rgb *old, double *covered,
@@ -158,8 +173,8 @@ glint_status glint_recolour(const struct glint_recolour *r, struct glint_rgb *ol
         return GLINT_OK;
     *old = old_colour(r);
     const struct transform t = make_transform(*old, r->colour);
-    glint_status status = change(r, &t, r->picture, err);
+    glint_status status = change(r, r->matte, &t, r->picture, err);
     if (!status && r->albedo[0])
-        status = change(r, &t, r->albedo, err);
+        status = change_albedo(r, &t, err);
     return status;
 }

@@ -14,6 +14,8 @@
 // The old colour a is the mean albedo under the matte, where the frame has an albedo; the albedo is
 // recoloured by the same T, so that the frame can be recoloured again. Otherwise it is the mean of
 // the picture under the matte, scaled to the luminance of c: then the surface keeps its brightness.
+// Of a matte through bounces only what is seen directly has an albedo of its own: where mirrors and
+// glass show the surface the albedo is theirs.
 //
 // At an edge F is not in the file. It is the mean of the pixels around, those that the matte covers
 // most counting by far the most, and never more than the pixel holds (F <= in / alpha): the
@@ -27,9 +29,10 @@
 
 struct glint_recolour {
     uint32_t width, height;
-    const float *matte; // [height][width], 0..1
-    float *picture[3];  // changed in place
-    float *albedo[3];   // changed in place, or NULL
+    const float *matte;  // [height][width], 0..1
+    const float *direct; // likewise, what is seen directly; may be `matte`
+    float *picture[3];   // changed in place
+    float *albedo[3];    // changed in place, or NULL
     struct glint_rgb colour;
 };
 

@@ -108,6 +108,14 @@ export class JobForm {
             ...presets.filter((p) => p.name !== "production").map((p) => [p.name, p.name])]), ...settings];
     }
 
+    // How far mattes follow what is seen: as it is, in mirrors and glass, rough ones too.
+    #mattes() {
+        const { exact, approximations } = this.capabilities.dials.find((d) => d.name === "through");
+        const through = [exact, ...approximations].filter((v) => v !== "none").map((v) => [v, v]);
+        return [this.#select("Mattes through bounces", ["mattes", "through"], [["", "none"], ...through]),
+            this.#check("Reflection and refraction apart", ["mattes", "classes"])];
+    }
+
     #json() {
         this.text = h("textarea", { spellcheck: "false", rows: 9 });
         this.text.addEventListener("input", () => {
@@ -139,7 +147,7 @@ export class JobForm {
             this.#check("Live: follows edits and camera", ["live"]),
             this.#outputs(),
             h("details", {}, h("summary", {}, "Accuracy, time, sampling"), h("div", {},
-                this.#dials(), this.#number("Bounces", ["max_bounces"], { min: 0, placeholder: "8" }),
+                this.#dials(), this.#mattes(), this.#number("Bounces", ["max_bounces"], { min: 0, placeholder: "8" }),
                 this.#number("Seed", ["seed"], { min: 0, placeholder: "0" }),
                 this.#number("Frame", ["frame"], { min: 0, placeholder: "0" }))),
             h("details", {}, h("summary", {}, "JSON"), h("div", {}, this.#json())));

@@ -20,6 +20,7 @@ const KEYS = [
     ["1", "Actual pixels", (v) => v.actual()],
     ["F", "Fit the picture", (v) => v.fit()],
     ["M", "Next way to show the matte", (v) => v.nextShow()],
+    ["B", "Mattes through bounces, or of what is seen directly", (v) => v.nextThrough()],
     ["G", "To the picture", (v) => id("viewport").focus()],
     ["?", "This list", (v) => v.click("show-keys")],
 ];

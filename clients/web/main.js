@@ -8,6 +8,7 @@ import { ended, Jobs, jobTitle } from "./jobs.js";
 import { showCurve } from "./curve.js";
 import { listen } from "./keys.js";
 import { Mattes } from "./mattes.js";
+import { queryOf, viewsOf } from "./outputs.js";
 import { Picture } from "./picture.js";
 import { showPlan } from "./plan.js";
 import { showProblem } from "./problems.js";
@@ -187,9 +188,9 @@ class Viewer {
     }
 
     #controls(job) {
-        const select = id("output"), outputs = job.job.outputs;
-        if ([...select.options].map((o) => o.value).join() !== outputs.join())
-            select.replaceChildren(...outputs.map((o) => new Option(o.replaceAll("_", " "), o)));
+        const select = id("output"), views = viewsOf(job.job);
+        if ([...select.options].map((o) => o.value).join() !== views.join())
+            select.replaceChildren(...views.map((o) => new Option(o.replaceAll("_", " ").replace(":", ": "), o)));
         select.value = this.session.output;
         const canMove = !!this.session.camera;
         id("tool-camera").disabled = !canMove;
@@ -239,9 +240,9 @@ class Viewer {
     async #pick(x, y, several) {
         this.#read({ x, y });
         if (!this.mattes.job) return;
-        const primary = await this.mattes.pick(x, y, several);
+        const found = await this.mattes.pick(x, y, several);
         if (id("panel-mattes").hidden) this.tab(id("tab-mattes"));
-        this.under = primary && { x, y, text: Object.values(primary).map((l) => l[0]?.name).filter(Boolean).join(" / ") };
+        this.under = found && { x, y, text: Object.values(found).map((l) => l[0]?.name).filter(Boolean).join(" / ") };
         this.#read({ x, y });
     }
 
@@ -299,6 +300,10 @@ class Viewer {
         say(`Matte shown as ${next.value}`);
     }
 
+    nextThrough() {
+        this.mattes.nextThrough();
+    }
+
     async #save(path, name) {
         id("save").open = false;
         try {
@@ -337,7 +342,7 @@ class Viewer {
         rove(id("tool-pan").parentElement, "[role=radio]");
         const path = (rest) => jobPath(this.session.job.id, rest);
         on("save-exr", "click", () => this.session.job && this.#save(path("/frame.exr"), file("exr")));
-        on("save-png", "click", () => this.session.job && this.#save(path(`/frame.png?output=${this.session.output}` +
+        on("save-png", "click", () => this.session.job && this.#save(path(`/frame.png?${queryOf(this.session.output)}` +
             `&exposure=${id("exposure").value}&tonemap=${id("tonemap").value}`), file("png")));
         on("save-matte", "click", () => this.#save(
             path(`/matte.exr?layer=${this.mattes.layer}${this.mattes.query()}`), file("matte.exr")));

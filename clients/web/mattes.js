@@ -4,7 +4,7 @@ import { bar, h, id, put, Rows, say } from "./dom.js";
 import { readExr } from "./exr.js";
 import { percent } from "./format.js";
 import { fromHalf } from "./half.js";
-import { readFrame } from "./outputs.js";
+import { classesOf, readFrame } from "./outputs.js";
 import { SHOW } from "./picture.js";
 import { showProblem } from "./problems.js";
 import { makeTransform, meanOfPicture, meanUnder } from "./recolour.js";
@@ -16,7 +16,8 @@ const AGAIN = 1500; // milliseconds between looks at a job that renders
 
 export class Mattes {
     constructor(picture, redraw) {
-        Object.assign(this, { picture, redraw, job: null, names: [], chosen: new Set(), serial: 0, asked: 0 });
+        Object.assign(this, { picture, redraw, job: null, names: [], chosen: new Set(), serial: 0, asked: 0,
+            boxes: [] });
         this.rows = new Rows(id("matte-names"), (n) => n.name, (n) => this.#row(n));
         id("matte-layer").addEventListener("change", () => this.#layerChanged());
         id("matte-find").addEventListener("input", () => this.#showNames());
@@ -29,6 +30,46 @@ export class Mattes {
         return id("matte-layer").value;
     }
 
+    // The classes of which mattes are made, as the daemon calls them; all of the job's at first.
+    get through() {
+        return this.boxes.filter((b) => b.checked).map((b) => b.value);
+    }
+
+    #offerClasses(classes) {
+        const whole = id("matte-through");
+        this.boxes.forEach((b) => b.parentElement.remove());
+        this.boxes = classes.map((value) => h("input", { type: "checkbox", value, checked: true,
+            onchange: (event) => this.#throughChanged(event.target) }));
+        whole.append(...this.boxes.map((b) => h("label.check", {}, b, b.value)));
+        whole.hidden = classes.length < 2;
+    }
+
+    // Something stays chosen.
+    #throughChanged(box) {
+        if (!this.through.length) box.checked = true;
+        this.old = null;
+        this.#showNames();
+        this.#loadMask();
+    }
+
+    // All classes, or what is seen directly alone.
+    nextThrough() {
+        if (this.boxes.length < 2) return;
+        const all = this.through.length < this.boxes.length;
+        this.boxes.forEach((b) => (b.checked = all || b.value === "primary"));
+        this.#throughChanged(this.boxes[0]);
+        say(all ? "Mattes through bounces" : "Mattes of what is seen directly");
+    }
+
+    // Of what the daemon tells of a name, by class. Where reflection and refraction are apart, nothing
+    // of theirs is seen directly; other classes hold that too, and the larger counts.
+    #covered(of) {
+        const { through } = this, direct = through.includes("primary") ? of("primary") : 0;
+        const bounced = through.filter((c) => c !== "primary").reduce((sum, c) => sum + of(c), 0);
+        return through.some((c) => c.startsWith("refl") || c.startsWith("refr")) ? direct + bounced
+            : Math.max(direct, bounced);
+    }
+
     open(job) {
         const layers = job ? LAYERS.filter((l) => job.job.outputs?.includes(`crypto_${l}`)) : [];
         this.close();
@@ -37,6 +78,7 @@ export class Mattes {
         put(id("no-mattes"), job ? "This job has no mattes among its outputs." : "No job with mattes is chosen.");
         id("no-mattes").hidden = layers.length > 0;
         id("matte-layer").replaceChildren(...layers.map((l) => h("option", {}, l)));
+        this.#offerClasses(layers.length ? classesOf(job.job) : []);
         this.refresh(true);
     }
 
@@ -68,7 +110,7 @@ export class Mattes {
         try {
             const { layers } = await getJson(jobPath(job.id, `/mattes?layer=${layer}`));
             if (asked !== this.asked) return;
-            this.names = layers[layer].names.sort((a, b) => b.coverage - a.coverage || (a.name < b.name ? -1 : 1));
+            this.names = layers[layer].names;
             this.lost = layers[layer].lost;
             this.#showNames();
         } catch (error) {
@@ -80,7 +122,10 @@ export class Mattes {
         const wanted = id("matte-find").value.toLowerCase();
         const [w, d] = this.job?.job.resolution ?? [1, 1];
         this.pixels = w * d;
-        const named = new Map(this.names.map((n) => [n.name, n])); // equal names are one matte
+        const of = (n) => this.#covered((c) => (c === "primary" ? n.coverage : n[c] ?? 0));
+        const sorted = this.names.map((n) => ({ name: n.name, coverage: of(n) }))
+            .sort((a, b) => b.coverage - a.coverage || (a.name < b.name ? -1 : 1));
+        const named = new Map(sorted.map((n) => [n.name, n])); // equal names are one matte
         const picked = named.get(this.picked); // first, so that it is seen
         const order = picked ? [picked, ...[...named.values()].filter((n) => n !== picked)] : [...named.values()];
         this.rows.show(order.filter((n) => n.name.toLowerCase().includes(wanted)));
@@ -137,20 +182,29 @@ export class Mattes {
         this.#tell();
     }
 
+    // What covers a pixel most, through the classes that are chosen: {name, coverage} of a layer, sorted.
+    #merge(classes, layer) {
+        const of = (name) => (c) => classes[c]?.[layer]?.find((n) => n.name === name)?.coverage ?? 0;
+        const names = new Set(this.through.flatMap((c) => classes[c]?.[layer] ?? []).map((n) => n.name));
+        return [...names].map((name) => ({ name, coverage: this.#covered(of(name)) }))
+            .sort((a, b) => b.coverage - a.coverage);
+    }
+
     // What is under a pixel, by every layer of the job; chooses it in the layer that is shown.
     async pick(x, y, several) {
         if (!this.job) return null;
         put(id("matte-selection"), `Looking at pixel ${x}, ${y} …`);
         try {
-            const { primary } = await getJson(jobPath(this.job.id, `/pick?x=${x}&y=${y}`));
-            const found = primary[this.layer]?.[0];
-            this.picked = found?.name;
-            if (found) this.choose(found.name, several);
+            const classes = await getJson(jobPath(this.job.id, `/pick?x=${x}&y=${y}`));
+            const found = Object.fromEntries(LAYERS.map((l) => [l, this.#merge(classes, l)]));
+            const first = found[this.layer]?.[0];
+            this.picked = first?.name;
+            if (first) this.choose(first.name, several);
             else if (!several) this.clear();
-            const words = LAYERS.filter((l) => primary[l]?.length)
-                .map((l) => `${l} ${primary[l][0].name} ${percent(primary[l][0].coverage)}`);
+            const words = LAYERS.filter((l) => found[l].length)
+                .map((l) => `${l} ${found[l][0].name} ${percent(found[l][0].coverage)}`);
             say(words.length ? `Pixel ${x}, ${y}: ${words.join(", ")}` : `Pixel ${x}, ${y}: nothing`);
-            return primary;
+            return found;
         } catch (error) {
             this.#tell();
             showProblem("Nothing was picked", error);
@@ -158,8 +212,9 @@ export class Mattes {
         }
     }
 
-    query() {
-        return [...this.chosen].map((n) => `&name=${encodeURIComponent(n)}`).join("");
+    query(through = this.through) {
+        return [...this.chosen].map((n) => `&name=${encodeURIComponent(n)}`).join("") +
+            (this.boxes.length > 1 ? `&through=${through}` : "");
     }
 
     async #loadMask() {
@@ -195,12 +250,20 @@ export class Mattes {
         this.#looks();
     }
 
+    // The matte of what is seen directly: where mirrors and glass show a thing the albedo is theirs.
+    async #directMask() {
+        if (this.boxes.length < 2) return this.picture.mask;
+        const path = jobPath(this.job.id, `/matte.exr?layer=${this.layer}${this.query("primary")}`);
+        return this.#spread(await readExr(new Uint8Array(await getBytes(path))));
+    }
+
     // The colour that is there now: of the albedo where the job has one.
     async #findOld(serial) {
         if (!id("recolour").checked || !this.job.job.outputs.includes("albedo")) return;
-        const { x, y, width, height, channels } = await readFrame(this.job.id, "albedo");
-        const { mask, width: w } = this.picture, planes = ["R", "G", "B"].map((c) => channels[`albedo.${c}`]);
-        if (serial !== this.serial || !mask) return;
+        const [frame, mask] = await Promise.all([readFrame(this.job.id, "albedo"), this.#directMask()]);
+        const { x, y, width, height, channels } = frame, w = this.picture.width;
+        const planes = ["R", "G", "B"].map((c) => channels[`albedo.${c}`]);
+        if (serial !== this.serial || !mask || !mask.some(Boolean)) return;
         const value = planes[0] instanceof Uint16Array ? (v) => fromHalf[v] : (v) => v;
         this.old = meanUnder(mask, (i) => {
             const at = (Math.floor(i / w) - y) * width + (i % w) - x;

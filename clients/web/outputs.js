@@ -57,10 +57,31 @@ function paintIds(channels, type) {
         ? rgb.map((v, c) => v + coverage[i] * (0.05 + ((id[i] >>> (8 * c)) & 255) / 270)) : rgb), [0, 0, 0]);
 }
 
-const CRYPTO = { crypto_object: "CryptoObject", crypto_material: "CryptoMaterial", crypto_asset: "CryptoAsset" };
+const CRYPTO = { crypto_object: "Object", crypto_material: "Material", crypto_asset: "Asset" };
+const CLASSES = { primary: "", glossy: "Gloss", reflection: "Refl", refraction: "Refr" };
 
-function painter(output, channels) {
-    if (CRYPTO[output]) return { at: paintIds(channels, CRYPTO[output]), planes: [] };
+// What the job tells apart of its mattes: seen directly, and what bounces bring.
+export function classesOf({ mattes: { through = "none", classes, depth_bins = 0 } = {} }) {
+    if (through === "none") return ["primary"];
+    if (depth_bins) return ["primary", ...Array.from({ length: depth_bins }, (_, i) => `depth${i}`)];
+    return classes ? ["primary", "reflection", "refraction"] : ["primary", "glossy"];
+}
+
+// All that can be looked at: the outputs, those of mattes once for each class: "crypto_object:glossy".
+export function viewsOf(job) {
+    const bounced = classesOf(job).slice(1);
+    return job.outputs.flatMap((o) => [o, ...(CRYPTO[o] ? bounced.map((c) => `${o}:${c}`) : [])]);
+}
+
+export function queryOf(view) {
+    const [output, through] = view.split(":");
+    return `output=${output}${through ? `&through=${through}` : ""}`;
+}
+
+function painter(view, channels) {
+    const [output, through = "primary"] = view.split(":");
+    const infix = CLASSES[through] ?? through.replace("depth", "D");
+    if (CRYPTO[output]) return { at: paintIds(channels, `Crypto${infix}${CRYPTO[output]}`), planes: [] };
     const planes = (CHANNELS[output] ?? []).map((name) => channels[name]).filter(Boolean).map(floats);
     if (!planes.length) throw new Error(`the frame has no ${output}`);
     return { at: PAINT[output]?.(planes) ?? ((i) => planes.map((p) => p[i])), planes };
@@ -69,9 +90,9 @@ function painter(output, channels) {
 export const readFrame = async (job, output) =>
     readExr(new Uint8Array(await getBytes(jobPath(job, `/frame.exr?outputs=${output}`))));
 
-// {x, y, width, height, pixels: halves, value(x, y): text of the values there or null}.
+// output: one of viewsOf(). {x, y, width, height, pixels: halves, value(x, y): text of the values there or null}.
 export async function readOutput(job, output) {
-    const exr = await readFrame(job, output), { x, y, width, height } = exr;
+    const exr = await readFrame(job, output.split(":")[0]), { x, y, width, height } = exr;
     const { at, planes } = painter(output, exr.channels);
     const pixels = new Uint16Array(4 * width * height);
     for (let i = 0; i < width * height; i++) {

@@ -2,7 +2,7 @@
 import { events, getJson, headers, jobPath, scenePath } from "./api.js";
 import { Camera, findCamera } from "./camera.js";
 import { ended } from "./jobs.js";
-import { readFrame, readOutput } from "./outputs.js";
+import { readFrame, readOutput, viewsOf } from "./outputs.js";
 import { showProblem } from "./problems.js";
 
 const AGAIN = 1000; // milliseconds between frames of an output that has no stream
@@ -43,7 +43,7 @@ export class Session {
         this.picture.setSize(width, height);
         this.beauty = new Uint16Array(4 * width * height);
         this.viewport.fitAgain();
-        if (!job.job.outputs.includes(this.output)) this.output = job.job.outputs[0];
+        if (!viewsOf(job.job).includes(this.output)) this.output = job.job.outputs[0];
         this.#follow();
         if (job.job.live && !ended(job.state)) this.#openCamera();
         this.on.job(job);

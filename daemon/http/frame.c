@@ -17,7 +17,8 @@ struct wish {
     int floats;       // colour as float, else half
     int tonemap;
     double exposure;
-    bool picture; // PNG
+    bool picture;                  // PNG
+    struct glint_matte_type shown; // of mattes, in a picture
 };
 
 static void read_output(const char *name, size_t length, const char *parameter, uint32_t *outputs,
@@ -61,6 +62,26 @@ static bool check_outputs(struct glint_request *r, const struct glint_job *job, 
     return false;
 }
 
+// The type that a picture of mattes shows: of the class that the query names, or seen directly.
+static bool choose_type(struct glint_request *r, const struct glint_job *job, struct wish *wish)
+{
+    const char *through = glint_request_query(r, "through");
+    struct glint_matte_type type[GLINT_MAX_MATTE_TYPES];
+    const size_t types = glint_matte_types(job, wish->outputs & GLINT_OUT_CRYPTO, type);
+    for (size_t t = 0; t < types; t++)
+        if (!strcmp(glint_matte_class_name(job, type[t].class_of_it),
+                    through ? through : "primary")) {
+            wish->shown = type[t];
+            return true;
+        }
+    if (!through)
+        return true;
+    struct glint_error err = {0};
+    glint_fail(&err, GLINT_E_RANGE, "", "through: the output has no mattes of \"%.40s\"", through);
+    glint_answer_error(r, &err);
+    return false;
+}
+
 static glint_status encode_exr(const struct glint_frame *frame, const struct wish *wish,
                                uint8_t **bytes, size_t *size, struct glint_error *err)
 {
@@ -80,8 +101,11 @@ static struct glint_blob *encode(struct glint_request *r, const struct glint_job
     size_t size = 0;
     glint_status st = glint_render_frame(view->render, wish->outputs, &frame, NULL, &err);
     if (!st && wish->picture)
-        st = glint_picture_encode(frame, wish->outputs, (float)wish->exposure,
-                                  (enum glint_tonemap)wish->tonemap, &bytes, &size, &err);
+        st = glint_picture_encode(frame,
+                                  &(struct glint_picture){wish->outputs, wish->shown.name,
+                                                          (float)wish->exposure,
+                                                          (enum glint_tonemap)wish->tonemap},
+                                  &bytes, &size, &err);
     else if (!st)
         st = encode_exr(frame, wish, &bytes, &size, &err);
     glint_frame_destroy(&frame);
@@ -99,9 +123,9 @@ static void answer(struct glint_request *r, const struct glint_job_view *view,
                    const struct wish *wish)
 {
     char key[256];
-    snprintf(key, sizeof key, "%s %llu %x %d %d %d %d %.17g", r->argument[0],
+    snprintf(key, sizeof key, "%s %llu %x %d %d %d %d %.17g %u", r->argument[0],
              (unsigned long long)view->sequence, wish->outputs, wish->picture, wish->layout,
-             wish->floats, wish->tonemap, wish->exposure);
+             wish->floats, wish->tonemap, wish->exposure, wish->shown.class_of_it);
     struct glint_blob *blob =
         glint_pixels_final(view) ? glint_frames_find(r->http->frames, key) : NULL;
     if (!blob) {
@@ -156,7 +180,7 @@ void glint_http_frame_png(struct glint_request *r)
     glint_query_choice(r, "tonemap", curves, &wish.tonemap, &err);
     if (!glint_pixels_open(r, &view, &err))
         return;
-    if (check_outputs(r, view.job, &wish, "output"))
+    if (check_outputs(r, view.job, &wish, "output") && choose_type(r, view.job, &wish))
         answer(r, &view, &wish);
     glint_jobs_release(r->http->jobs, &view);
 }

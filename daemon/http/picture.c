@@ -23,13 +23,6 @@ static const struct {
     {GLINT_OUT_MATTE_SUMS, {"sums.bounced", "sums.lost_primary", "sums.lost_bounced"}},
 };
 
-static const char *crypto_type(uint32_t output)
-{
-    return output == GLINT_OUT_CRYPTO_OBJECT     ? "CryptoObject"
-           : output == GLINT_OUT_CRYPTO_MATERIAL ? "CryptoMaterial"
-                                                 : "CryptoAsset";
-}
-
 // Adds the colours of the IDs of one rank. A colour is a name's hash, bright enough to be seen.
 static void add_rank(const float *id, const float *coverage, size_t pixels, float *rgb)
 {
@@ -104,12 +97,13 @@ static void paint_motion(float *rgb, size_t pixels)
 }
 
 // Copies the output's planes to rgb[3][pixels] and makes them a colour.
-static glint_status paint(const struct glint_frame *frame, uint32_t output, float *rgb,
-                          const float **alpha, struct glint_error *err)
+static glint_status paint(const struct glint_frame *frame, const struct glint_picture *picture,
+                          float *rgb, const float **alpha, struct glint_error *err)
 {
     const size_t pixels = (size_t)frame->width * frame->height;
+    const uint32_t output = picture->output;
     if (output & GLINT_OUT_CRYPTO)
-        return paint_ids(frame, crypto_type(output), rgb, err);
+        return paint_ids(frame, picture->type, rgb, err);
     size_t row = 0;
     while (layout[row].output != output)
         row++;
@@ -132,9 +126,9 @@ static glint_status paint(const struct glint_frame *frame, uint32_t output, floa
     return GLINT_OK;
 }
 
-glint_status glint_picture_encode(const struct glint_frame *frame, uint32_t output, float exposure,
-                                  enum glint_tonemap tonemap, uint8_t **bytes, size_t *size,
-                                  struct glint_error *err)
+glint_status glint_picture_encode(const struct glint_frame *frame,
+                                  const struct glint_picture *picture, uint8_t **bytes,
+                                  size_t *size, struct glint_error *err)
 {
     const size_t pixels = (size_t)frame->width * frame->height;
     float *rgb = calloc(pixels, 3 * sizeof *rgb);
@@ -145,8 +139,9 @@ glint_status glint_picture_encode(const struct glint_frame *frame, uint32_t outp
                                     .red = rgb,
                                     .green = rgb + pixels,
                                     .blue = rgb + 2 * pixels};
-    const struct glint_png_options options = {.exposure = exposure, .tonemap = tonemap};
-    glint_status st = paint(frame, output, rgb, &image.alpha, err);
+    const struct glint_png_options options = {.exposure = picture->exposure,
+                                              .tonemap = picture->tonemap};
+    glint_status st = paint(frame, picture, rgb, &image.alpha, err);
     if (!st)
         st = glint_png_color(&image, &options, bytes, size, err);
     free(rgb);

@@ -11,9 +11,15 @@
 #include "protocol/frame.h"
 #include "protocol/png.h"
 
-// output: one glint_output bit whose channels the frame has. *bytes is malloc'd.
-glint_status glint_picture_encode(const struct glint_frame *frame, uint32_t output, float exposure,
-                                  enum glint_tonemap tonemap, uint8_t **bytes, size_t *size,
-                                  struct glint_error *err);
+struct glint_picture {
+    uint32_t output;  // one glint_output bit whose channels the frame has
+    const char *type; // of mattes: the Cryptomatte type that is shown
+    float exposure;   // stops
+    enum glint_tonemap tonemap;
+};
+// *bytes is malloc'd.
+glint_status glint_picture_encode(const struct glint_frame *frame,
+                                  const struct glint_picture *picture, uint8_t **bytes,
+                                  size_t *size, struct glint_error *err);
 
 #endif

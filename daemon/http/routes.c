@@ -54,7 +54,7 @@ const struct glint_route glint_route_table[] = {
     {"GET", JOB "/frame.exr", glint_http_frame_exr, GLINT_LANE_FRAME, GLINT_BODY_NONE,
      "layout outputs pixels wait ", "the frame as it stands"},
     {"GET", JOB "/frame.png", glint_http_frame_png, GLINT_LANE_FRAME, GLINT_BODY_NONE,
-     "exposure output tonemap wait ", "one output for the eye"},
+     "exposure output through tonemap wait ", "one output for the eye"},
     {"GET", JOB "/film", glint_http_film, GLINT_LANE_FRAME, GLINT_BODY_NONE, "wait ",
      "its sums, counts and coverage, for glint merge"},
     {"GET", JOB "/tiles", glint_http_tiles_stream, GLINT_LANE_NOW, GLINT_BODY_NONE, "since ",

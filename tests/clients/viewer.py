@@ -20,6 +20,12 @@ ALL = ["beauty", "crypto_object", "crypto_material", "crypto_asset", "depth", "a
 # ROOM under a sky: no pixel without light.
 SCENE = {**ROOM, "environment": {"radiance": [0.6, 0.7, 0.9]}}
 
+# Over a floor that reflects, a little blurred.
+SHINY = {**SCENE, "materials": {**ROOM["materials"], "mirror": {"base_color": [0.8, 0.8, 0.8], "metallic": 1,
+                                                                "roughness": 0.05}},
+         "instances": {**ROOM["instances"], "floor": {**ROOM["instances"]["floor"], "material": "mirror"}}}
+THROUGH = {"through": "glossy", "classes": True, "alpha": 0.02}
+
 
 def job(**more):
     return {"scene": "room", "resolution": SIZE, "outputs": ALL, "stop": {"samples": 8}, **more}
@@ -207,6 +213,88 @@ def test_a_new_colour_changes_its_pixels_and_no_other():
         changed = np.abs(settle(page) - before).max(axis=2)
         assert changed[matte == 0].max() <= 1, "what the matte does not cover keeps its colour"
         assert (changed[matte == 255] > 8).mean() > 0.9
+
+
+def ticked(page):
+    """The classes that the mattes are made of."""
+    return page.run("""return [...document.querySelectorAll("#matte-through input")]
+        .filter((b) => b.checked).map((b) => b.value)""")
+
+
+def matte_of(daemon, name, query):
+    return decode(daemon.get(f"/v1/jobs/{name}/matte.png?{query}").body)[..., 0].astype(int)
+
+
+def held(daemon, page):
+    """A job with mattes through bounces that has begun and is held there; its id."""
+    name = daemon.submit(**job(stop={"samples": 100000}, mattes=THROUGH))
+    daemon.until(name, lambda j: j["samples"] >= 8)
+    page.run("location.hash = arguments[0]; location.reload()", name)
+    page.until(lambda: page.text("#job-line").startswith("rendering"))
+    paused = daemon.ask("PATCH", f"/v1/jobs/{name}", json.dumps({"paused": True}),
+                        {"Content-Type": "application/merge-patch+json"})
+    assert paused.status == 200, paused.body
+    page.until(lambda: page.text("#job-line").startswith("paused"))
+    page.actual()
+    settle(page)
+    return name
+
+
+def test_a_new_colour_changes_a_thing_and_its_reflection_while_the_job_is_under_way():
+    with Daemon() as daemon, Browser(daemon) as page:
+        daemon.put("room", SHINY)
+        name = held(daemon, page)
+        before = page.picture()
+        pick(page, 104, 76)
+        page.until(lambda: chosen(page) == ["cube"])
+        assert ticked(page) == ["primary", "reflection", "refraction"]
+        page.set("#recolour-colour", "#2040ff")
+        page.click("#recolour")
+        direct, all_of_it = (matte_of(daemon, name, f"name=cube&through={t}")
+                             for t in ("primary", "primary,reflection,refraction"))
+        mirrored = (direct == 0) & (all_of_it > 100)
+        assert mirrored.sum() > 100, mirrored.sum()
+
+        def changed():
+            return np.abs(settle(page) - before).max(axis=2)
+        page.until(lambda: (changed()[mirrored] > 8).mean() > 0.9)
+        seen = changed()
+        assert (seen[direct == 255] > 8).mean() > 0.9
+        assert seen[all_of_it == 0].max() <= 1, "what the matte does not cover keeps its colour"
+        page.find("#viewport").send_keys("b")
+        assert ticked(page) == ["primary"]
+        page.until(lambda: changed()[direct == 0].max() <= 1)
+        assert (changed()[direct == 255] > 8).mean() > 0.9
+        page.find("#viewport").send_keys("b")
+        page.click("#matte-through input[value=primary]")
+        assert ticked(page) == ["reflection", "refraction"]
+        page.until(lambda: (changed()[mirrored] > 8).mean() > 0.9 and changed()[direct == 255].max() <= 1)
+
+
+def test_a_click_in_the_mirror_picks_what_it_shows():
+    with Daemon() as daemon, Browser(daemon) as page:
+        daemon.put("room", SHINY)
+        name = held(daemon, page)
+        matte = matte_of(daemon, name, "name=cube&through=reflection")
+        y, x = np.unravel_index(np.argmax(matte), matte.shape)
+        assert matte[y, x] > 100
+        pick(page, int(x), int(y))
+        page.until(lambda: chosen(page) == ["floor"])  # the mirror itself covers all of the pixel
+        page.click("#matte-through input[value=primary]")
+        pick(page, int(x), int(y))
+        page.until(lambda: chosen(page) == ["cube"])
+
+
+def test_the_coverage_of_every_class_is_a_view():
+    with Daemon() as daemon, Browser(daemon) as page:
+        daemon.put("room", SHINY)
+        name = shown(daemon, page, mattes=THROUGH)
+        for view in ("crypto_object:reflection", "crypto_material:refraction", "crypto_object"):
+            output, _, through = view.partition(":")
+            page.set("#output", view)
+            query = f"output={output}" + (f"&through={through}" if through else "")
+            page.until(lambda: difference(page, daemon, name, query) <= 1)
+        assert daemon.get(f"/v1/jobs/{name}/frame.png?output=crypto_object&through=glossy").status == 422
 
 
 # Live
