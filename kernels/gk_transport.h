@@ -195,7 +195,8 @@ GK_INLINE void gk_transport_leave(struct gk_transport *t, const GK_GLOBAL struct
     const struct gk_spread scattered = gk_spread_scatter(t->spread, v2);
     const gk_f32 slope = gk_transport_slope(t, scene, x, next->crosses);
     t->held = ends ? 0u : t->held;
-    t->carried = turns ? (gk_f32)(gk_i32)t->held * (gk_mean3(next->weight) * scale) : t->carried;
+    const gk_f32 b = gk_mean3(next->weight) * gk_next_share(x, next);
+    t->carried = turns ? (gk_f32)(gk_i32)t->held * (b * scale) : t->carried;
     t->spread.s0 = turns ? scattered.s0 : t->spread.s0;
     t->spread.s1 = turns ? scattered.s1 : t->spread.s1;
     t->spread.s2 = turns ? scattered.s2 : t->spread.s2;

@@ -273,6 +273,20 @@ GK_INLINE struct gk_next gk_next_make(const GK_GLOBAL struct gk_frame *frame,
     return next;
 }
 
+// Radiance grows by the square of the index where light enters a solid, and shrinks where it leaves:
+// undone, what is left of a path is the share of the light that takes it, in a solid and beyond it.
+GK_INLINE gk_f32 gk_next_share(const struct gk_vertex *x, const struct gk_next *next)
+{
+#ifdef GK_TRANSMISSION
+    const gk_i32 scaled = next->crosses && !x->passes && !x->surface.thin;
+    return scaled ? x->surface.eta * x->surface.eta : 1.0f;
+#else
+    (void)x;
+    (void)next;
+    return 1.0f;
+#endif
+}
+
 // A surface that is none: the ray starts again behind it. No light sample reached beyond it.
 GK_INLINE struct gk_next gk_next_straight(const struct gk_vertex *x, struct gk_next next)
 {

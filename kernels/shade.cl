@@ -228,9 +228,9 @@ GK_INLINE void gk_go_on(__global float *wave, gk_u32 stride, gk_u32 i,
     gk_sample_2d(x->lane.base, x->lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LOBE), &u_lobe,
                  &u_roulette);
     const struct gk_next next = gk_next_straight(x, gk_next_make(frame, x, u_lobe));
-    const gk_f32 strongest = gk_max3(next.weight);
+    const gk_f32 strongest = gk_max3(next.weight) * gk_next_share(x, &next);
 
-    // One roulette rule for all jobs, blind to mattes: survive with q >= min(1, mean weight).
+    // One roulette rule for all jobs, blind to mattes: survive with q >= min(1, mean share).
     const gk_i32 plays = depth >= frame->roulette_start && !x->passes;
     const gk_f32 q = plays ? gk_min(strongest, 1.0f) : 1.0f;
     const gk_i32 alive = (x->scatters || x->passes) && !x->fails && next.possible &&

@@ -25,6 +25,7 @@ UNIT_TESTS = \
 	tests/render/test_bounces \
 	tests/render/test_camera \
 	tests/render/test_effects \
+	tests/render/test_eq1 \
 	tests/render/test_features \
 	tests/render/test_film_capture \
 	tests/render/test_film_merge \
@@ -153,6 +154,8 @@ tests_render_test_film_merge_SOURCES = tests/render/test_film_merge.c $(filmed)
 tests_render_test_film_capture_SOURCES = tests/render/test_film_capture.c $(filmed)
 tests_render_test_flow_SOURCES = tests/render/test_flow.c $(moving)
 tests_render_test_motion_SOURCES = tests/render/test_motion.c $(moving)
+tests_render_test_eq1_SOURCES = tests/render/test_eq1.c tests/stability/stable.c \
+	tests/stability/stable.h $(offline) $(things)
 tests_render_test_features_SOURCES = tests/render/test_features.c $(stable)
 tests_render_test_many_lights_SOURCES = tests/render/test_many_lights.c $(stable)
 tests_render_test_precision_SOURCES = tests/render/test_precision.c $(stable)
@@ -258,6 +261,7 @@ SCRIPT_TESTS = \
 	tests/clients/cli_recolor.py \
 	tests/clients/cli_render.py \
 	tests/clients/cli_tev.py \
+	tests/clients/cli_through.py \
 	tests/clients/cli_update.py \
 	tests/clients/cli_usage.py \
 	tests/clients/demo_scene.py \

@@ -91,7 +91,6 @@ def test_the_mattes_of_the_daemon_are_those_of_the_file():
 def test_the_pot_is_seen_through_glass_where_it_is_not_seen_directly():
     direct, refracted = pot("primary"), pot("refraction")
     glass = decode(rendered()[0], "CryptoObject")[stored_id("glass")]
-    print(refracted[glass == 1].max(), refracted[glass == 1].sum(), refracted.max(), refracted.sum())
     assert refracted[glass == 1].max() > 0.5 and refracted[glass == 1].sum() > 30
     assert direct[glass == 1].max() == 0
 
@@ -111,7 +110,6 @@ def test_the_new_colour_is_seen_through_the_glass_and_the_glass_keeps_its_albedo
     planes, report = recoloured(",".join(CLASSES), "blue.exr")
     before, after = rgb(rendered()[0]), rgb(planes)
     through = (pot("primary") == 0) & (pot("refraction") > 0.6)
-    print(np.sort(pot("refraction")[pot("primary") == 0])[-40:])
     assert through.sum() > 20, through.sum()
     assert (before[through][:, 0] > before[through][:, 2]).mean() > 0.95  # it was red
     bluer = (after - before)[through]

@@ -1,0 +1,313 @@
+// Mattes through bounces against Eq. 1 worked out by brute force, with code of its own: glass and a
+// diffuse wall as the whole tree of their paths, rough metal behind a pane by quadrature.
+//
+// Every claim is about the frame and about each pixel: |z| < 4.892 of n samples whose deviation is s
+// = sqrt(c (1 - c)) at most, so that a matte that is d off is missed once in a thousand at
+// n = ((4.892 + 3.09) s / d)^2: of a pixel 0.125 at n = 1024, of the frame 0.0064.
+#include "kernels/gk_matte.h"
+#include "tests/kernel/surface.h"
+#include "tests/render/things.h"
+#include "tests/stability/stable.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SAMPLES 1024
+#define YFOV 0.9
+
+static void take(struct shot *s, const char *scene, const char *mattes)
+{
+    char *scene_text = stable_text("%s", scene);
+    char *job_text = stable_text(
+        "{'scene':'s','resolution':[24,16],'outputs':['beauty','crypto_object'],'stop':{"
+        "'samples':%d},'filter':{'kind':'box'},'accuracy':{'microfacet':'single'},"
+        "'mattes':{%s}}",
+        SAMPLES, mattes);
+    glint_resident *resident = offline_load_text(&things_crew, scene_text);
+    shoot(s, resident, job_text);
+    glint_resident_release(&resident);
+    free(scene_text);
+    free(job_text);
+}
+
+// The matte of a name against what Eq. 1 gives each pixel.
+static void assert_matte(const struct shot *s, const char *name, const double *want)
+{
+    double sum = 0.0, wanted = 0.0;
+    const double n = (double)pixels(s->frame);
+    for (size_t p = 0; p < pixels(s->frame); p++) {
+        const double got = coverage_of(s->frame, "CryptoGlossObject", name, p);
+        const double deviation = sqrt(fmax(want[p] * (1.0 - want[p]), 1e-9) / SAMPLES);
+        if (fabs(got - want[p]) > CHECK_Z * deviation + 1e-4)
+            fail_msg("%s at pixel %zu: %.5f, by brute force %.5f", name, p, got, want[p]);
+        sum += got / n;
+        wanted += want[p] / n;
+    }
+    print_message("# %s: %.5f, by brute force %.5f\n", name, sum, wanted);
+    const double deviation = sqrt(fmax(wanted * (1.0 - wanted), 1e-9) / (n * SAMPLES));
+    assert_within(sum - wanted, CHECK_Z * deviation + 1e-4);
+}
+
+// ---- a slab of tinted glass between a wall of two objects and what is behind the camera
+
+#define TINT 0.8
+#define INDEX 1.5
+#define NEAR_FACE (-1.0)
+#define FAR_FACE (-1.5)
+#define WALL (-3.0)
+
+static const char slab[] =
+    "{'cameras':{'c':{'yfov':0.9}},'environment':{'radiance':[1,1,1]},"
+    "'meshes':{'quad':{'primitive':'quad'},'box':{'primitive':'box'}},"
+    "'materials':{'glass':{'transmission':1,'roughness':0,'ior':1.5,'base_color':[0.8,0.8,0.8]},"
+    "'paint':{'ior':1,'base_color':[0.8,0.8,0.8]}},"
+    "'objects':{'slab':{},'left':{},'right':{},'behind':{}},'instances':{"
+    "'slab':{'object':'slab','mesh':'box','material':'glass','transform':{'translation':"
+    "[0,0,-1.25],'scale':[200,200,0.5]}},"
+    "'left':{'object':'left','mesh':'quad','material':'paint','transform':{'translation':"
+    "[-50,0,-3],'scale':[100,100,1]}},"
+    "'right':{'object':'right','mesh':'quad','material':'paint','transform':{'translation':"
+    "[50,0,-3],'scale':[100,100,1]}},"
+    "'behind':{'object':'behind','mesh':'quad','material':'paint','transform':{'rotation':[0,1,0,0]"
+    ","
+    "'translation':[0,0,2],'scale':[200,200,1]}}}}";
+
+enum { SLAB, LEFT, RIGHT, BEHIND, OBJECTS };
+static const char *const slab_name[OBJECTS] = {"slab", "left", "right", "behind"};
+
+// A ray in the plane of its incidence: x is all that tells left from right.
+struct ray {
+    double x, z;    // where it is
+    double dx;      // sideways, of a unit direction; dy is as it was for good
+    double dy;      //
+    int up, inside; // towards the camera; in the glass
+    int bounces;
+};
+
+// Eq. 1: what the vertex that the ray comes to keeps, and what it hands on, times `share`.
+static void follow(struct ray r, double share, double out[OBJECTS])
+{
+    const double to = r.inside ? (r.up ? NEAR_FACE : FAR_FACE)
+                      : r.up   ? (r.z < FAR_FACE ? FAR_FACE : 2.0)
+                               : (r.z > NEAR_FACE ? NEAR_FACE : WALL);
+    const double cosine = sqrt(1.0 - r.dx * r.dx - r.dy * r.dy);
+    r.x += r.dx / cosine * fabs(to - r.z);
+    r.z = to;
+    if (to == 2.0 || to == WALL) {
+        out[to == 2.0 ? BEHIND : r.x < 0.0 ? LEFT : RIGHT] += share;
+        return;
+    }
+    if (r.bounces == 8) {
+        out[SLAB] += share;
+        return;
+    }
+    const double eta = r.inside ? 1.0 / INDEX : INDEX, f = exact_fresnel(cosine, eta);
+    struct ray mirrored = r, bent = r;
+    mirrored.up = !r.up;
+    bent.inside = !r.inside;
+    bent.dx /= eta;
+    bent.dy /= eta;
+    bent.bounces = mirrored.bounces = r.bounces + 1;
+    out[SLAB] += share * (1.0 - f - TINT * (1.0 - f));
+    follow(mirrored, share * f, out);
+    if (f < 1.0)
+        follow(bent, share * TINT * (1.0 - f), out);
+}
+
+// The mean over a pixel.
+static void slab_pixel(size_t pixel, double out[OBJECTS])
+{
+    enum { SIDE = 16 };
+    const double half = tan(0.5 * YFOV), scale = 2.0 * half / HEIGHT;
+    memset(out, 0, OBJECTS * sizeof *out);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const double u = (double)(pixel % WIDTH) + (i % SIDE + 0.5) / SIDE;
+        const double v = (double)(pixel / WIDTH) + (double)(i / SIDE) / SIDE + 0.5 / SIDE;
+        const double x = (u - 0.5 * WIDTH) * scale, y = half - v * scale;
+        const double length = sqrt(x * x + y * y + 1.0);
+        const struct ray r = {.dx = x / length, .dy = y / length};
+        follow(r, 1.0 / (SIDE * SIDE), out);
+    }
+}
+
+static void assert_slab(const char *mattes)
+{
+    static double want[OBJECTS][WIDTH * HEIGHT];
+    struct shot s;
+    take(&s, slab, mattes);
+    for (size_t p = 0; p < WIDTH * HEIGHT; p++) {
+        double of[OBJECTS];
+        slab_pixel(p, of);
+        for (int k = 0; k < OBJECTS; k++)
+            want[k][p] = of[k];
+    }
+    for (int k = 0; k < OBJECTS; k++)
+        assert_matte(&s, slab_name[k], want[k]);
+    assert_int_equal(s.render->stats.matte_excess, 0);
+    finish_shot(&s);
+}
+
+static void solid_glass_hands_on_what_it_lets_through(void **state)
+{
+    (void)state;
+    assert_slab("'through':'delta'");
+    assert_slab("'through':'glossy'");
+    assert_slab("'through':'glossy','alpha':1,'clamp':false,'variance':'eq3'");
+}
+
+// ---- a pane before rough metal below stripes and the sky
+
+#define CEILING 30.0
+#define TO_FLOOR 5.0 // metres from the camera, whose view meets the floor at a cosine of 0.6
+#define HALF_PIXEL (0.0005 / 16)
+#define THROUGH_PANE 0.96
+
+static const char striped[] =
+    "{'cameras':{'c':{'yfov':0.001,'transform':{'translation':[0,3,4],'rotation':"
+    "[-0.316227766,0,0,0.948683298]}}},'environment':{'radiance':[1,1,1]},"
+    "'meshes':{'quad':{'primitive':'quad'}},"
+    "'materials':{'floor':{'metallic':1,'roughness':0.4,'base_color':[0.7,0.7,0.7]},"
+    "'glass':{'transmission':1,'roughness':0,'thin':true},'paint':{'ior':1,'base_color':[0,0,0]}},"
+    "'objects':{'floor':{},'pane':{},'far':{},'middle':{},'near':{}},'instances':{"
+    "'floor':{'object':'floor','mesh':'quad','material':'floor','transform':{"
+    "'rotation':[-0.707106781,0,0,0.707106781],'scale':[2,2,1]}},"
+    "'pane':{'object':'pane','mesh':'quad','material':'glass','transform':{'translation':"
+    "[0,2.7,3.6],'rotation':[-0.316227766,0,0,0.948683298],'scale':[0.002,0.002,1]}},"
+    "'far':{'object':'far','mesh':'quad','material':'paint','transform':{'translation':"
+    "[0,30,-5050],'rotation':[0.707106781,0,0,0.707106781],'scale':[1e5,1e4,1]}},"
+    "'middle':{'object':'middle','mesh':'quad','material':'paint','transform':{'translation':"
+    "[0,30,-40],'rotation':[0.707106781,0,0,0.707106781],'scale':[1e5,20,1]}},"
+    "'near':{'object':'near','mesh':'quad','material':'paint','transform':{'translation':"
+    "[0,30,-20],'rotation':[0.707106781,0,0,0.707106781],'scale':[1e5,20,1]}}}}";
+
+// Of the quads above, along z; between and beyond them is the sky.
+static const struct {
+    const char *name;
+    double from, to;
+} stripe[] = {{"far", -10050, -50}, {"middle", -50, -30}, {"near", -30, -10}};
+#define STRIPES COUNT(stripe)
+
+static double variance_of(double pdf)
+{
+    const double e = fmin(1.0 / (2.0 * M_PI * pdf), 1.0);
+    return e * (2.0 - e) / (2.0 * (1.0 - e) * (1.0 - e));
+}
+
+// Eq. 4 to 7 with diffuse_cut, of the metal's lobe alone: the pane before it adds no variance.
+static double weight_of(double pdf, double way, double alpha)
+{
+    const double r = HALF_PIXEL * (TO_FLOOR + way), v2 = variance_of(pdf);
+    if (isinf(v2))
+        return 0.0;
+    const double part = isinf(way) ? v2 / (HALF_PIXEL * HALF_PIXEL) : way * way * v2 / (r * r);
+    const double flat = part * 1.5 / v2;
+    const double w = pow(1.0 + part, -0.5 * alpha), w_flat = pow(1.0 + flat, -0.5 * alpha);
+    return fmax(0.0, (w - w_flat) / (1.0 - w_flat));
+}
+
+// The integral of W f cos over the directions that see each stripe, and the sky last.
+static void by_quadrature(float roughness, double alpha, double out[STRIPES + 1])
+{
+    enum { RINGS = 2000, TURNS = 720 };
+    const struct material metal = {
+        .name = "", .base = 0.7f, .metallic = 1, .roughness = roughness, .ior = 1.5f};
+    const struct gk_vec wo = gk_vec(0.8f, 0.0f, 0.6f); // x along the world's z
+    const struct gk_surface surface = make_surface_at(&metal, wo);
+    memset(out, 0, (STRIPES + 1) * sizeof *out);
+    for (int i = 0; i < RINGS; i++)
+        for (int j = 0; j < TURNS; j++) {
+            const double z = (i + 0.5) / RINGS;
+            const struct gk_vec wi = direction(z, (j + 0.5) / TURNS);
+            const struct gk_bsdf_value f = gk_bsdf_eval(&surface, wo, wi);
+            const double at = wi.x * CEILING / z;
+            size_t k = 0;
+            while (k < STRIPES && !(at >= stripe[k].from && at < stripe[k].to))
+                k++;
+            const double way = k < STRIPES ? CEILING / z : INFINITY;
+            if (f.pdf > 0.0f)
+                out[k] += gk_mean3(f.f) * weight_of(f.pdf, way, alpha) * 2.0 * M_PI /
+                          ((double)RINGS * TURNS);
+        }
+}
+
+static void assert_stripes(double alpha)
+{
+    static double want[WIDTH * HEIGHT];
+    double share[STRIPES + 1], left = 1.0;
+    char mattes[64];
+    struct shot s;
+    snprintf(mattes, sizeof mattes, "'through':'glossy','alpha':%g", alpha);
+    take(&s, striped, mattes);
+    by_quadrature(0.4f, alpha, share);
+    for (size_t k = 0; k <= STRIPES; k++)
+        left -= share[k];
+    for (size_t k = 0; k < STRIPES; k++) {
+        for (size_t p = 0; p < WIDTH * HEIGHT; p++)
+            want[p] = THROUGH_PANE * share[k];
+        assert_matte(&s, stripe[k].name, want);
+    }
+    for (size_t p = 0; p < WIDTH * HEIGHT; p++)
+        want[p] = THROUGH_PANE * left;
+    assert_matte(&s, "floor", want);
+    finish_shot(&s);
+}
+
+static void rough_metal_behind_a_pane_is_shared_by_all_that_it_shows(void **state)
+{
+    (void)state;
+    assert_stripes(0.1);
+    assert_stripes(0.5);
+}
+
+// ---- nothing is clamped
+
+static glint_resident *demo_scene(const char *name)
+{
+    char command[4096];
+    const char *build = getenv("GLINT_BUILD");
+    snprintf(command, sizeof command, "'%s/glint-demo-scene' %s", build ? build : ".", name);
+    FILE *pipe = popen(command, "r");
+    size_t capacity = (size_t)1 << 24, size = 0, n;
+    char *text = malloc(capacity + 1);
+    assert_true(pipe && text);
+    while ((n = fread(text + size, 1, capacity - size, pipe)) > 0)
+        size += n;
+    text[size] = 0;
+    assert_int_equal(pclose(pipe), 0);
+    glint_resident *scene = offline_load_text(&things_crew, text);
+    free(text);
+    return scene;
+}
+
+static void weights_above_one_cut_a_ten_thousandth_at_most(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {"shelves", "strips", "plant", "water", "forty", "cluster"};
+    for (size_t i = 0; i < COUNT(scenes); i++) {
+        struct shot s;
+        glint_resident *scene = demo_scene(scenes[i]);
+        char *job =
+            stable_text("{'scene':'s','resolution':[64,36],'stop':{'samples':32},'outputs':["
+                        "'beauty','crypto_object'],'mattes':{'through':'glossy'}}");
+        shoot(&s, scene, job);
+        const double samples = 32.0 * (double)pixels(s.frame);
+        const double share = (double)s.render->stats.matte_excess / (samples * GK_MATTE_ONE);
+        print_message("# %s: %.2e of the coverage cut\n", scenes[i], share);
+        assert_true(share < 1e-4);
+        finish_shot(&s);
+        glint_resident_release(&scene);
+        free(job);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(solid_glass_hands_on_what_it_lets_through),
+        cmocka_unit_test(rough_metal_behind_a_pane_is_shared_by_all_that_it_shows),
+        cmocka_unit_test(weights_above_one_cut_a_ten_thousandth_at_most),
+    };
+    return cmocka_run_group_tests(tests, things_start, things_finish);
+}
