@@ -25,7 +25,8 @@ struct gk_transport {
     struct gk_cone cone;
     struct gk_deposit before, last; // of this vertex
     gk_u32 excess;
-    gk_u32 met; // matte of this vertex, 0: none
+    gk_u32 met;  // matte of this vertex, 0: none
+    gk_f32 over; // at a vertex: what the one before hands on over what is held, 1 at least
 };
 
 // Before the first vertex a path has neither spread nor a deposit that waits: its columns are not read.
@@ -50,6 +51,7 @@ GK_INLINE struct gk_transport gk_transport_load(const GK_GLOBAL gk_f32 *wave, gk
     t.cone.g = GK_LOAD(GK_COL_SLOPE, i);
 #endif
     t.before.key = t.before.amount = t.last.key = t.last.amount = t.excess = t.met = 0u;
+    t.over = 1.0f;
     return t;
 }
 

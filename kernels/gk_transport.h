@@ -126,9 +126,12 @@ GK_INLINE void gk_transport_arrive(struct gk_transport *t, const GK_GLOBAL struc
     const gk_f32 weight = gk_transport_weight(t, &rule, x->missed);
     const gk_u32 on = gk_coverage_carry(t->held, t->carried, weight, &excess);
     const gk_u32 given = t->held - on;
-    t->excess = arrives ? excess : 0u;
+    // A vertex that hands on more than it has should be given less than nothing: the next one is given
+    // so much less, which is the same where both are of one thing, and those beyond get theirs.
+    t->over = arrives && excess > 0u ? t->carried * weight / (gk_f32)(gk_i32)on : 1.0f;
     t->held = arrives ? on : t->held;
     t->waits = arrives || begins ? gk_transport_key(frame, scene, x, t) : waited;
+    t->excess = arrives && ((waited ^ t->waits) & GK_WAITS_KEY) != 0u ? excess : 0u;
     t->before = gk_deposit_make(frame, arrives ? waited : 0u, given);
 #ifdef GK_OPAQUE_FULL
     const gk_i32 full = gk_matte_flag(frame, GK_MATTES_OPAQUE);
@@ -196,7 +199,7 @@ GK_INLINE void gk_transport_leave(struct gk_transport *t, const GK_GLOBAL struct
     const gk_f32 slope = gk_transport_slope(t, scene, x, next->crosses);
     t->held = ends ? 0u : t->held;
     const gk_f32 b = gk_mean3(next->weight) * gk_next_share(x, next);
-    t->carried = turns ? (gk_f32)(gk_i32)t->held * (b * scale) : t->carried;
+    t->carried = turns ? (gk_f32)(gk_i32)t->held * t->over * (b * scale) : t->carried;
     t->spread.s0 = turns ? scattered.s0 : t->spread.s0;
     t->spread.s1 = turns ? scattered.s1 : t->spread.s1;
     t->spread.s2 = turns ? scattered.s2 : t->spread.s2;

@@ -145,7 +145,7 @@ static void assert_slab(const char *mattes)
     }
     for (int k = 0; k < OBJECTS; k++)
         assert_matte(&s, slab_name[k], want[k]);
-    assert_int_equal(s.render->stats.matte_excess, 0);
+    assert_int_equal(s.render->stats.count[GLINT_COUNT_CLAMPED], 0);
     finish_shot(&s);
 }
 
@@ -293,7 +293,8 @@ static void weights_above_one_cut_a_ten_thousandth_at_most(void **state)
                         "'beauty','crypto_object'],'mattes':{'through':'glossy'}}");
         shoot(&s, scene, job);
         const double samples = 32.0 * (double)pixels(s.frame);
-        const double share = (double)s.render->stats.matte_excess / (samples * GK_MATTE_ONE);
+        const double share =
+            (double)s.render->stats.count[GLINT_COUNT_CLAMPED] / (samples * GK_MATTE_ONE);
         print_message("# %s: %.2e of the coverage cut\n", scenes[i], share);
         assert_true(share < 1e-4);
         finish_shot(&s);
