@@ -121,6 +121,7 @@ STABILITY_TESTS = \
 	tests/stability/test_environment \
 	tests/stability/test_film \
 	tests/stability/test_geometry \
+	tests/stability/test_groups \
 	tests/stability/test_invariants \
 	tests/stability/test_light \
 	tests/stability/test_media \
@@ -165,6 +166,8 @@ tests_stability_test_demo_SOURCES = tests/stability/test_demo.c $(stable)
 tests_stability_test_environment_SOURCES = tests/stability/test_environment.c $(stable)
 tests_stability_test_film_SOURCES = tests/stability/test_film.c $(stable)
 tests_stability_test_geometry_SOURCES = tests/stability/test_geometry.c $(stable)
+tests_stability_test_groups_SOURCES = tests/stability/test_groups.c $(stable)
+tests_stability_test_groups_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_launch
 tests_stability_test_invariants_SOURCES = tests/stability/test_invariants.c $(stable) $(things)
 tests_stability_test_light_SOURCES = tests/stability/test_light.c $(stable)
 tests_stability_test_media_SOURCES = tests/stability/test_media.c $(stable)

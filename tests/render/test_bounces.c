@@ -188,6 +188,18 @@ static void facing_mirrors_share_as_a_geometric_series(void **state)
     }
 }
 
+static void in_a_scene_of_deltas_lobes_change_no_bit(void **state)
+{
+    (void)state;
+    struct shot delta, glossy;
+    take(&delta, facing, JOB(OBJECTS, "'through':'delta'", SAMPLES(64)));
+    take(&glossy, facing, JOB(OBJECTS, "'through':'glossy'", SAMPLES(64)));
+    stable_assert_same(delta.frame, glossy.frame);
+    assert_true(coverage_of(delta.frame, "CryptoGlossObject", "behind", 0) > 0.1);
+    finish_shot(&delta);
+    finish_shot(&glossy);
+}
+
 static const char walls[] =
     "{" CAMERA(0.9) "'environment':{'radiance':[1,1,1]},'meshes':{'quad':{'primitive':'quad'}},"
                     "'materials':{'m':{'ior':1,'base_color':[0.8,0.8,0.8]}},"
@@ -379,6 +391,7 @@ int main(void)
         cmocka_unit_test(the_picture_and_what_is_seen_directly_are_the_same_without),
         cmocka_unit_test(reflection_and_refraction_make_what_is_seen_by_bounces),
         cmocka_unit_test(facing_mirrors_share_as_a_geometric_series),
+        cmocka_unit_test(in_a_scene_of_deltas_lobes_change_no_bit),
         cmocka_unit_test(diffuse_surfaces_keep_all_of_theirs),
         cmocka_unit_test(without_the_cut_they_lose_some),
         cmocka_unit_test(clear_glass_gives_its_place_to_what_is_behind),

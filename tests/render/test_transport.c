@@ -193,25 +193,26 @@ static void mixed_scene(char *text, size_t bytes, double length, double light)
     "material\","                                                                                 \
     "\"depth\",\"normal\",\"albedo\",\"samples\",\"variance\"],\"stop\":{\"samples\":24}}"
 
-static void same_bits_for_one_two_and_three_workers(void **state)
+static void same_bits_for_one_two_three_and_sixteen_workers(void **state)
 {
     (void)state;
     char scene[4096];
     mixed_scene(scene, sizeof scene, 1.0, 1.0);
-    struct glint_frame *frame[3];
-    for (uint32_t n = 1; n <= 3; n++) {
+    static const uint32_t workers[] = {1, 2, 3, 16};
+    struct glint_frame *frame[4];
+    for (uint32_t n = 0; n < 4; n++) {
         struct offline crew;
-        offline_start(&crew, n);
+        offline_start(&crew, workers[n]);
         glint_resident *resident = offline_load_text(&crew, scene);
-        frame[n - 1] = offline_frame(&crew, resident, MIXED_JOB, 0);
+        frame[n] = offline_frame(&crew, resident, MIXED_JOB, 0);
         glint_resident_release(&resident);
         offline_finish(&crew);
     }
     for (uint32_t c = 0; c < frame[0]->channels; c++)
-        for (int n = 1; n < 3; n++)
+        for (int n = 1; n < 4; n++)
             assert_memory_equal(frame[0]->channel[c].plane, frame[n]->channel[c].plane,
                                 pixels(frame[0]) * 4);
-    for (int n = 0; n < 3; n++)
+    for (int n = 0; n < 4; n++)
         glint_frame_destroy(&frame[n]);
 }
 
@@ -347,7 +348,7 @@ int main(void)
         cmocka_unit_test(white_object_vanishes_in_a_white_environment),
         cmocka_unit_test(rough_surfaces_never_gain_energy),
         cmocka_unit_test(closed_room_lets_no_light_in),
-        cmocka_unit_test(same_bits_for_one_two_and_three_workers),
+        cmocka_unit_test(same_bits_for_one_two_three_and_sixteen_workers),
         cmocka_unit_test(region_has_the_pixels_of_the_whole_frame),
         cmocka_unit_test(scaling_light_by_a_power_of_two_scales_every_bit),
         cmocka_unit_test(scaling_the_scene_by_a_power_of_two_changes_no_picture),

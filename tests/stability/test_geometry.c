@@ -91,11 +91,12 @@ static struct glint_frame *coincident(const struct offline *with, int order, con
 static void coincident_surfaces_show_the_same_for_any_number_of_workers(void **state)
 {
     (void)state;
+    static const uint32_t workers[] = {1, 2, 16};
     struct glint_frame *frame[3];
-    for (uint32_t n = 1; n <= 3; n++) {
+    for (uint32_t n = 0; n < 3; n++) {
         struct offline crew;
-        offline_start(&crew, n);
-        frame[n - 1] = coincident(&crew, 0, "blue");
+        offline_start(&crew, workers[n]);
+        frame[n] = coincident(&crew, 0, "blue");
         offline_finish(&crew);
     }
     stable_assert_same(frame[0], frame[1]);
@@ -170,6 +171,30 @@ static void decimal_scales_keep_the_picture(void **state)
     glint_frame_destroy(&unit);
 }
 
+// The faces of a white box in white light, seen from outside: who leaves one meets none, so that one
+// bounce shows all of the light, and a face that met itself would be darker. 786 432 rays.
+static void faces_do_not_meet_themselves_wherever_they_are(void **state)
+{
+    (void)state;
+    static const double place[] = {0, 1e5, -1e6};
+    for (int i = 0; i < 3; i++) {
+        struct glint_frame *f = stable_frame(
+            &offline_crew,
+            stable_text("{'environment':{'radiance':[1,1,1]},'materials':{'m':{'ior':1}},"
+                        "'meshes':{'b':{'primitive':'box','size':[2,3,2.5]}},"
+                        "'instances':{'b':{'mesh':'b','material':'m','transform':{'translation':"
+                        "[%.17g,0,%.17g],'rotation':[0.1830127,0.1830127,0.6830127,0.6830127]}}},"
+                        "'cameras':{'eye':{'yfov':0.5,'transform':{'translation':[%.17g,0,%.17g]}"
+                        "}}}",
+                        place[i], -place[i], place[i], 6 - place[i]),
+            stable_job("'resolution':[64,64],'max_bounces':1,'stop':{'samples':64}"));
+        assert_true(stable_least(f, "A") == 1.0);
+        assert_float_equal(stable_least(f, "G"), 1.0, 1e-5); // one ray would be a 64th
+        assert_float_equal(stable_most(f, "G"), 1.0, 1e-5);
+        glint_frame_destroy(&f);
+    }
+}
+
 // The places are multiples of what single precision resolves there, so nothing is lost before load.
 static void far_places_keep_the_picture(void **state)
 {
@@ -195,6 +220,7 @@ int main(void)
         cmocka_unit_test(order_of_equal_coincident_instances_does_not_matter),
         cmocka_unit_test(decimal_scales_keep_the_picture),
         cmocka_unit_test(far_places_keep_the_picture),
+        cmocka_unit_test(faces_do_not_meet_themselves_wherever_they_are),
     };
     return cmocka_run_group_tests(tests, offline_crew_start, offline_crew_finish);
 }
