@@ -361,4 +361,4 @@ check-nightly: $(check_PROGRAMS)
 
 # Compiled kernels, kept from run to run.
 clean-local:
-	rm -rf tests/cache
+	rm -rf tests/cache tests/*/*.results-*.json

@@ -9,6 +9,8 @@ const WAITS = { turn: "its turn", preparation: "its program and film", memory: "
 
 const interval = (ends) => (ends?.[0] && ends[1] ? ` (${number(ends[0])} to ${number(ends[1])})` : "");
 
+const rejected = (invariants) => Object.values(invariants?.rejected ?? {}).reduce((sum, n) => sum + n, 0);
+
 const ROWS = [
     ["State", (j) => (j.waits_for ? `${j.state}, waits for ${WAITS[j.waits_for] ?? j.waits_for}` : j.state)],
     ["Scene", (j) => j.scene],
@@ -20,6 +22,8 @@ const ROWS = [
     ["Time", (j) => seconds(j.seconds) + (j.eta_seconds && !j.job?.live && !ended(j.state) ? `, ${seconds(j.eta_seconds)} left` : "")],
     ["Worker time", (j) => seconds(j.worker_seconds)],
     ["Rays", (j) => (j.rays ? short(j.rays.camera + j.rays.bounce + j.rays.shadow) : "–")],
+    ["Rejected samples", (j) => (rejected(j.invariants) ? count(rejected(j.invariants)) : null)],
+    ["Coverage without a slot", (j) => (j.invariants?.coverage_lost ? `${number(100 * j.invariants.coverage_lost)} %` : null)],
     ["Resolution", (j) => (j.job?.resolution ? j.job.resolution.join(" × ") : "–")],
     ["Memory", (j) => (j.memory_bytes ? bytes(j.memory_bytes) : null)],
     ["Client", (j) => j.client || null],

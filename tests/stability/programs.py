@@ -1,4 +1,5 @@
 """programs.py - runs a test program of a build tree and reads what came of each of its tests."""
+import json
 import os
 import subprocess
 import tempfile
@@ -41,3 +42,17 @@ def run(program, build, workers, more):
         found = {case.get("name"): (_outcome(case), float(case.get("time"))) for case in cases}
     failed = any(word == "FAILED" for word, _ in found.values())
     return found if failed or done.returncode in (0, 77) else {}
+
+
+def kept(program, build, workers):
+    """As run(), or what an earlier call got of the program as it is; None where it is not built."""
+    path = os.path.join(build, "tests", program)
+    results = f"{path}.results-{workers}.json"
+    if not os.path.exists(path):
+        return None
+    if not os.path.exists(results) or os.path.getmtime(results) < os.path.getmtime(path):
+        found = run(program, build, workers, {})
+        with open(results, "w", encoding="utf-8") as file:
+            json.dump(found, file)
+    with open(results, encoding="utf-8") as file:
+        return json.load(file)
