@@ -20,6 +20,7 @@ UNIT_TESTS = \
 	tests/kernel/test_matte \
 	tests/kernel/test_matte_shared \
 	tests/kernel/test_medium \
+	tests/kernel/test_motion_keys \
 	tests/kernel/test_sampler \
 	tests/kernel/test_texture \
 	tests/render/test_bounces \
