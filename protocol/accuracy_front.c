@@ -61,15 +61,17 @@ static void read_text(const struct glint_json *at, char *out, size_t size)
 static void read_point(const struct glint_json *at, struct glint_front_point *out)
 {
     static const char *const known[] = {"settings", "seconds", "rays", "variance",
-                                        "bias",     "row",     NULL};
+                                        "bias",     "spread",  "row",  NULL};
     const struct glint_json settings = glint_json_member(at, "settings");
     const struct glint_json row = glint_json_member(at, "row");
+    const struct glint_json spread = glint_json_member(at, "spread");
     glint_json_only(at, known);
     read_settings(&settings, out);
     read_number(at, "seconds", 1e-12, MAX_SECONDS, &out->seconds);
     read_number(at, "rays", 0, MAX_FIGURE, &out->rays);
     read_number(at, "variance", 0, MAX_FIGURE, &out->variance);
     read_number(at, "bias", 0, MAX_FIGURE, &out->bias);
+    glint_json_double(&spread, 0, MAX_FIGURE, &out->spread);
     read_text(&row, out->row, sizeof out->row);
 }
 
@@ -145,6 +147,18 @@ static bool keeps(const struct glint_front_point *p, const struct glint_front_wi
     return !(wish->pinned & GLINT_CHOICE_BOUNCES) || p->max_bounces == wish->at->max_bounces;
 }
 
+// Samples after which the noise of nearly every image is below `room`, a squared error: the root in
+// 1/sqrt(n) of variance x^2 (1 + 2 spread x) = room, by Newton from above, where it is convex.
+static double samples_for(const struct glint_front_point *p, double room)
+{
+    double x = sqrt(room / p->variance);
+    for (int i = 0; i < 32; i++) {
+        const double value = p->variance * x * x * (1 + 2 * p->spread * x) - room;
+        x -= value / (p->variance * x * (2 + 6 * p->spread * x));
+    }
+    return ceil(1 / (x * x));
+}
+
 // What the point makes of the wish; false: nothing.
 static bool price(const struct glint_front_point *p, const struct glint_front_wish *wish,
                   struct glint_front_choice *out)
@@ -154,7 +168,9 @@ static bool price(const struct glint_front_point *p, const struct glint_front_wi
     const double room = wish->error * wish->error - p->bias * p->bias;
     if (wish->error > 0 && room <= 0)
         return false;
-    out->samples = wish->seconds > 0 ? floor(wish->seconds / each) : ceil(p->variance / room);
+    out->samples = wish->seconds > 0 ? floor(wish->seconds / each)
+                   : p->variance > 0 ? samples_for(p, room)
+                                     : 1;
     out->samples = fmin(fmax(out->samples, 1), wish->max_samples);
     out->error = sqrt(p->bias * p->bias + p->variance / out->samples);
     out->seconds = wish->seconds > 0 ? wish->seconds : out->samples * each;

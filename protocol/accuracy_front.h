@@ -1,7 +1,8 @@
 // accuracy_front.h - what was measured of a scene's settings, for choosing among them by price.
 //
 // A point is one way to render: settings of a job, what a sample costs and how its error falls.
-//   error(n)^2 = bias^2 + variance / n       relative, as a job's own error
+//   error(n)^2 = bias^2 + variance / n       relative, as a job's own error; on average
+//   its noise is below variance / n x (1 + 2 spread / sqrt(n)) nearly always
 //   seconds(n) = n x pixels x seconds / workers
 //
 // Thread-safety: immutable once read.
@@ -27,7 +28,8 @@ struct glint_front_point {
     double rays;     // likewise
     double variance; // relative, of one sample, >= 0
     double bias;     // relative, upper end of its 95% interval, >= 0
-    char row[128];   // of the table that it comes from
+    double spread; // of an image's squared error over seeds, over its mean, of one sample; 0: none
+    char row[128]; // of the table that it comes from
 };
 
 struct glint_front {
@@ -37,7 +39,7 @@ struct glint_front {
 };
 
 // A front is {"revision", "build", "resolution", "seeds", "points": [{"settings": {"accuracy": {},
-// "max_bounces"}, "seconds", "rays", "variance", "bias", "row"}]}. Faults as a job's.
+// "max_bounces"}, "seconds", "rays", "variance", "bias", "spread", "row"}]}. Faults as a job's.
 // *out is freed with free().
 glint_status glint_front_parse(struct glint_front **out, const char *text, size_t length,
                                struct glint_error *err);

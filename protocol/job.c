@@ -64,6 +64,7 @@ const struct glint_field glint_stop_fields[] = {
     GLINT_FIELD(UINT, struct glint_job_stop, samples, .low = 1, .high = GLINT_MAX_SAMPLES),
     GLINT_FIELD(DOUBLE, struct glint_job_stop, seconds, .low = 1e-3, .high = 1e9),
     GLINT_FIELD(DOUBLE, struct glint_job_stop, error, .low = 1e-9, .high = 1e9),
+    GLINT_FIELD(UINT, struct glint_job_stop, least, .high = GLINT_MAX_SAMPLES),
     {0},
 };
 

@@ -42,6 +42,7 @@ struct glint_job_stop {
     uint32_t samples; // per pixel, 1..GLINT_MAX_SAMPLES; GLINT_MAX_SAMPLES where not asked
     double seconds;   // of rendering, 0: not asked
     double error;     // sqrt(mean(v/(m^2+0.01))), 0: not asked
+    uint32_t least;   // samples before which the error does not end it, 0: none
 };
 
 // What a job may take or must reach, where the daemon is to pick the settings; at most one is not 0.

@@ -96,6 +96,10 @@ static void write_stop(struct glint_text *t, const struct glint_job *job)
         glint_text_key(t, "error");
         glint_text_double(t, stop->error);
     }
+    if (stop->least > 0) {
+        glint_text_key(t, "least");
+        glint_text_print(t, "%u", stop->least);
+    }
     glint_text_add(t, "}");
 }
 

@@ -111,14 +111,20 @@ bool glint_accuracy_point_of(struct glint_accuracy_point *out,
     return out->seeds;
 }
 
+// In one of both and in neither worse.
+static bool beats(const struct glint_accuracy_point *a, const struct glint_accuracy_point *b, int c)
+{
+    const double cost = a->cost[c] - b->cost[c], error = a->error.middle - b->error.middle;
+    return cost <= 0 && error <= 0 && (cost < 0 || error < 0);
+}
+
 void glint_accuracy_mark_front(struct glint_accuracy_point *point, size_t count)
 {
     for (size_t i = 0; i < count; i++)
         for (int c = 0; c < GLINT_COSTS; c++) {
             point[i].front[c] = true;
             for (size_t j = 0; j < count; j++)
-                if (j != i && point[j].cost[c] <= point[i].cost[c] &&
-                    point[j].error.middle < point[i].error.middle)
+                if (beats(&point[j], &point[i], c))
                     point[i].front[c] = false;
         }
 }

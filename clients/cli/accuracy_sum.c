@@ -195,6 +195,25 @@ static double bias_bound(const struct glint_accuracy_sum *sum)
     return sqrt(fmax(sum->spread.bias2 + 1.645 * sum->spread.bias2_se, 0));
 }
 
+// Standard deviation of the squared error over the seeds, over its mean: what one image may differ.
+static double spread_of(const struct glint_accuracy_run *run,
+                        const struct glint_accuracy_setting *s)
+{
+    double sum = 0, squares = 0;
+    unsigned n = 0;
+    for (size_t i = 0; i < run->table.rows; i++) {
+        const struct glint_accuracy_row *r = &run->table.row[i];
+        if (r->spp != most_samples(run) || is_mean(NULL, r) || strcmp(r->value, s->value) ||
+            strcmp(r->knob, s->knob))
+            continue;
+        sum += r->relmse;
+        squares += r->relmse * r->relmse;
+        n++;
+    }
+    const double mean = sum / fmax(n, 1);
+    return n > 1 && mean > 0 ? sqrt(fmax(squares / n - mean * mean, 0) * n / (n - 1)) / mean : 0;
+}
+
 static cJSON *front_point(const struct glint_accuracy_run *run,
                           const struct glint_accuracy_sum *sum)
 {
@@ -209,6 +228,7 @@ static cJSON *front_point(const struct glint_accuracy_run *run,
     cJSON_AddNumberToObject(o, "rays", p->cost[GLINT_COST_RAYS] / samples);
     cJSON_AddNumberToObject(o, "variance", sum->spread.variance * p->spp);
     cJSON_AddNumberToObject(o, "bias", bias_bound(sum));
+    cJSON_AddNumberToObject(o, "spread", spread_of(run, sum->setting) * sqrt(p->spp));
     cJSON_AddStringToObject(o, "row", row);
     return o;
 }

@@ -62,7 +62,7 @@ cJSON *glint_choose_describe(glint_prices *prices, const char *scene,
 // ---- a job
 
 // Dials of mattes stay the job's: they do not change the picture.
-static void apply(struct glint_job *job, const struct glint_front_point *p)
+static void apply(struct glint_job *job, const struct glint_front_point *p, double samples)
 {
     for (int d = 0; d < GLINT_DIAL_COUNT; d++)
         if (!strcmp(glint_dial_table[d].parent, "accuracy"))
@@ -74,6 +74,8 @@ static void apply(struct glint_job *job, const struct glint_front_point *p)
     // The job sees its own noise and not the bias, which has its part of what is asked.
     const double noise =
         sqrt(fmax(job->budget.error * job->budget.error - p->bias * p->bias, 1e-18));
+    if (job->budget.error > 0)
+        job->stop.least = (uint32_t)samples;
     if (job->budget.error > 0)
         job->stop.error = job->stop.error > 0 ? fmax(job->stop.error, noise) : noise;
 }
@@ -144,7 +146,7 @@ static glint_status pick(cJSON **chosen, const struct source *s, const glint_rev
     struct glint_front_choice c;
     if (!glint_front_choose(s->front, &wish, &c))
         return unreachable(s->front, job, err);
-    apply(job, &s->front->point[c.point]);
+    apply(job, &s->front->point[c.point], c.samples);
     *chosen = describe(s, revision, &c, job);
     return *chosen ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a job");
 }

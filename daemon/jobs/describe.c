@@ -142,6 +142,8 @@ static cJSON *stop_of(const struct glint_job_stop *stop)
         cJSON_AddNumberToObject(object, "seconds", stop->seconds);
     if (stop->error > 0)
         cJSON_AddNumberToObject(object, "error", stop->error);
+    if (stop->least > 0)
+        cJSON_AddNumberToObject(object, "least", stop->least);
     return object;
 }
 

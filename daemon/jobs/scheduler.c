@@ -288,6 +288,18 @@ static double next_deadline(const glint_scheduler *s)
     return next;
 }
 
+// Whoever said when it must be over does not wait for slices that others keep from the processor,
+// once every pixel has a sample.
+static void give_up_slices(struct glint_entry *e)
+{
+    struct glint_render_state now;
+    if (!e->out || e->job->live)
+        return;
+    glint_render_state(e->render, &now);
+    if (now.samples)
+        glint_render_interrupt(e->render, true);
+}
+
 static void end_late(glint_scheduler *s)
 {
     const double now = glint_now();
@@ -295,6 +307,7 @@ static void end_late(glint_scheduler *s)
         struct glint_entry *e = s->live[i];
         if (glint_state_deadline(e) > now)
             continue;
+        give_up_slices(e);
         end_at_stop(s, e);
     }
 }

@@ -50,6 +50,9 @@ static void what_is_dearer_and_worse_is_not_on_the_front(void **state)
     glint_accuracy_mark_front(p, 4);
     assert_true(p[0].front[0] && p[1].front[0] && !p[2].front[0] && p[3].front[0]);
     assert_true(p[2].front[GLINT_COST_CPU]);
+    p[3] = point(3, 0.5); // as good as a cheaper one
+    glint_accuracy_mark_front(p, 4);
+    assert_true(!p[3].front[0] && p[1].front[0]);
 }
 
 static void a_line_of_monte_carlo_goes_on_as_it_does(void **state)

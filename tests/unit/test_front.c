@@ -121,6 +121,18 @@ static void an_error_below_the_bias_takes_the_exact_point(void **state)
     free(f);
 }
 
+// Noise 1/n x (1 + 2 x 3 / sqrt(n)) <= 0.01 from the n on that is 100 (1 + 6 / sqrt(n)).
+static void errors_that_spread_over_seeds_take_more_samples(void **state)
+{
+    (void)state;
+    struct glint_front *f = parse("{\"points\":[{\"settings\":" EXACT
+                                  ",\"seconds\":1e-6,\"rays\":1,\"variance\":1,\"bias\":0,"
+                                  "\"spread\":3}]}");
+    const double n = choose(f, 0, 0.1).samples;
+    assert_true(n >= 100 * (1 + 6 / sqrt(n)) && n - 1 < 100 * (1 + 6 / sqrt(n - 1)));
+    free(f);
+}
+
 static void pinned_settings_leave_the_points_that_have_them(void **state)
 {
     (void)state;
@@ -160,6 +172,7 @@ int main(void)
         cmocka_unit_test(a_front_of_more_points_than_fit_is_refused),
         cmocka_unit_test(little_time_takes_the_rough_point_and_much_the_exact_one),
         cmocka_unit_test(an_error_below_the_bias_takes_the_exact_point),
+        cmocka_unit_test(errors_that_spread_over_seeds_take_more_samples),
         cmocka_unit_test(pinned_settings_leave_the_points_that_have_them),
         cmocka_unit_test(an_error_that_no_point_reaches_is_not_promised),
     };
