@@ -2,7 +2,7 @@
 // 0.7: strips SCENE.json FOLDER [WIDTH HEIGHT SAMPLES]. SCENE: what `glint-demo-scene strips` prints.
 //
 // One bounce. FOLDER/strips.csv has a row for each setting of the weight, reading of brute force,
-// roughness, bend and distance:
+// roughness, bend and distance, of the two last one by itself:
 //   tv     mean over the pixels of the total variation between mattes and brute force
 //   floor  mean absolute error of the floor's matte
 //   off    pixels where the matte of anything is off by more than 0.1
@@ -162,7 +162,7 @@ static void write_rows(const struct program *p, const struct setting *s, table r
             for (int b = 0; b < BENDS; b++)
                 for (int d = 0; d < DISTANCES; d++) {
                     const struct row *row = &rows[r][strip][b][d];
-                    if (row->pixels > 0)
+                    if (row->pixels > 0 && (b == ANY || d == DISTANCES - 1))
                         fprintf(p->csv, "%g,%d,%d,%s,%.1f,%s,%s,%.0f,%.4f,%.4f,%.0f\n", s->alpha,
                                 s->clamp, s->cut, reading_name[r], 0.1 * strip, bend_name[b],
                                 distance_name[d], row->pixels, row->tv / row->pixels,
