@@ -270,6 +270,27 @@ void glint_jobs_release(glint_jobs *jobs, struct glint_job_view *view)
     *view = (struct glint_job_view){0};
 }
 
+glint_status glint_jobs_put_front(glint_jobs *jobs, const char *scene, const char *text,
+                                  size_t length, bool *created, struct glint_error *err)
+{
+    (void)jobs, (void)text, (void)length;
+    *created = false;
+    return glint_fail(err, GLINT_E_NOT_FOUND, "", "no scene \"%s\"", scene);
+}
+
+glint_status glint_jobs_drop_front(glint_jobs *jobs, const char *scene, struct glint_error *err)
+{
+    (void)jobs, (void)scene, (void)err;
+    return GLINT_OK;
+}
+
+cJSON *glint_jobs_front(glint_jobs *jobs, const char *scene, struct glint_error *err)
+{
+    (void)jobs;
+    glint_fail(err, GLINT_E_NOT_FOUND, "", "no scene \"%s\"", scene);
+    return NULL;
+}
+
 void glint_jobs_stats(glint_jobs *jobs, struct glint_jobs_stats *out)
 {
     pthread_mutex_lock(&jobs->mutex);
