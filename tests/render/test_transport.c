@@ -193,12 +193,12 @@ static void mixed_scene(char *text, size_t bytes, double length, double light)
     "material\","                                                                                 \
     "\"depth\",\"normal\",\"albedo\",\"samples\",\"variance\"],\"stop\":{\"samples\":24}}"
 
-static void same_bits_for_one_two_three_and_sixteen_workers(void **state)
+static void same_bits_for_one_two_three_and_fifteen_workers(void **state)
 {
     (void)state;
     char scene[4096];
     mixed_scene(scene, sizeof scene, 1.0, 1.0);
-    static const uint32_t workers[] = {1, 2, 3, 16};
+    static const uint32_t workers[] = {1, 2, 3, 15}; // PoCL has 16 devices, one of them spare
     struct glint_frame *frame[4];
     for (uint32_t n = 0; n < 4; n++) {
         struct offline crew;
@@ -348,7 +348,7 @@ int main(void)
         cmocka_unit_test(white_object_vanishes_in_a_white_environment),
         cmocka_unit_test(rough_surfaces_never_gain_energy),
         cmocka_unit_test(closed_room_lets_no_light_in),
-        cmocka_unit_test(same_bits_for_one_two_three_and_sixteen_workers),
+        cmocka_unit_test(same_bits_for_one_two_three_and_fifteen_workers),
         cmocka_unit_test(region_has_the_pixels_of_the_whole_frame),
         cmocka_unit_test(scaling_light_by_a_power_of_two_scales_every_bit),
         cmocka_unit_test(scaling_the_scene_by_a_power_of_two_changes_no_picture),
