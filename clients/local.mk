@@ -106,6 +106,7 @@ web_sources = \
 	clients/web/mattes.js \
 	clients/web/multipart.js \
 	clients/web/outputs.js \
+	clients/web/page.css \
 	clients/web/picture.js \
 	clients/web/plan.js \
 	clients/web/problems.js \

@@ -10,27 +10,62 @@
 
 static const struct {
     int http, exit; // exit: sysexits.h, as far as it has a word for it
-    const char *title, *problem;
+    const char *title, *problem, *meaning;
 } table[GLINT_STATUS_COUNT] = {
     [GLINT_OK] = {200, 0, "OK", "about:blank"},
-    [GLINT_E_SYNTAX] = {400, 65, "Malformed request", "/problems/malformed"},
-    [GLINT_E_RANGE] = {422, 65, "Unprocessable content", "/problems/unprocessable"},
-    [GLINT_E_UNAUTHORIZED] = {401, 77, "Unauthorized", "/problems/unauthorized"},
-    [GLINT_E_FORBIDDEN] = {403, 77, "Forbidden", "/problems/forbidden"},
-    [GLINT_E_NOT_FOUND] = {404, 66, "Not found", "/problems/not-found"},
-    [GLINT_E_METHOD] = {405, 70, "Method not allowed", "/problems/method-not-allowed"},
-    [GLINT_E_CONFLICT] = {409, 65, "Conflict", "/problems/conflict"},
-    [GLINT_E_STALE] = {412, 75, "Precondition failed", "/problems/precondition-failed"},
-    [GLINT_E_TOO_LARGE] = {413, 65, "Content too large", "/problems/too-large"},
-    [GLINT_E_MEDIA_TYPE] = {415, 65, "Unsupported media type", "/problems/media-type"},
-    [GLINT_E_BUSY] = {503, 75, "Busy", "/problems/busy"},
-    [GLINT_E_CAPACITY] = {507, 75, "Over present capacity", "/problems/capacity"},
-    [GLINT_E_NOMEM] = {507, 71, "Out of memory", "/problems/memory"},
-    [GLINT_E_IO] = {500, 74, "Input or output failed", "/problems/io"},
-    [GLINT_E_DEVICE] = {500, 71, "A device failed", "/problems/device"},
-    [GLINT_E_UNAVAILABLE] = {503, 69, "No daemon answers", "/problems/unavailable"},
-    [GLINT_E_VERSION] = {500, 65, "Made by a later version", "/problems/version"},
-    [GLINT_E_INTERNAL] = {500, 70, "Internal error", "/problems/internal"},
+    [GLINT_E_SYNTAX] = {400, 65, "Malformed request", "/problems/malformed",
+                        "What was sent cannot be read at all: it is no HTTP, no JSON, or not the "
+                        "file that it says. The detail names the place."},
+    [GLINT_E_RANGE] = {422, 65, "Unprocessable content", "/problems/unprocessable",
+                       "What was sent can be read, but breaks rules. Each of them is listed with a "
+                       "JSON pointer to where."},
+    [GLINT_E_UNAUTHORIZED] =
+        {401, 77, "Unauthorized", "/problems/unauthorized",
+         "The call needs a token: Authorization: Bearer, with one that this daemon knows."},
+    [GLINT_E_FORBIDDEN] = {403, 77, "Forbidden", "/problems/forbidden",
+                           "The token is known, but its scope does not allow the call."},
+    [GLINT_E_NOT_FOUND] =
+        {404, 66, "Not found", "/problems/not-found",
+         "Nothing of that name is here, or it is somebody else's. GET /calls lists the calls."},
+    [GLINT_E_METHOD] = {405, 70, "Method not allowed", "/problems/method-not-allowed",
+                        "The resource is here, but not for this method. The header Allow lists "
+                        "those that it takes."},
+    [GLINT_E_CONFLICT] =
+        {409, 65, "Conflict", "/problems/conflict",
+         "The call does not fit what the resource is like now. The detail says what that is."},
+    [GLINT_E_STALE] =
+        {412, 75, "Precondition failed", "/problems/precondition-failed",
+         "If-Match does not hold: somebody else was faster. Read the resource and try again."},
+    [GLINT_E_TOO_LARGE] = {413, 65, "Content too large", "/problems/too-large",
+                           "The body is over the limit. GET /v1 lists the limits."},
+    [GLINT_E_MEDIA_TYPE] = {415, 65, "Unsupported media type", "/problems/media-type",
+                            "The body is of a type or coding that this call does not take. The "
+                            "header Accept lists those that it does."},
+    [GLINT_E_BUSY] = {503, 75, "Busy", "/problems/busy",
+                      "It cannot be done just now. Try again after the seconds of Retry-After."},
+    [GLINT_E_CAPACITY] = {507, 75, "Over present capacity", "/problems/capacity",
+                          "The machine has no room for it now, or never will. The detail says how "
+                          "much is needed, and how much there is."},
+    [GLINT_E_NOMEM] = {507, 71, "Out of memory", "/problems/memory",
+                       "There was no memory. Try again when less is going on."},
+    [GLINT_E_IO] =
+        {500, 74, "Input or output failed", "/problems/io",
+         "A disk or the network failed. The daemon's log has the line, by the request's id."},
+    [GLINT_E_DEVICE] = {500, 71, "A device failed", "/problems/device",
+                        "OpenCL or Embree refused. The detail is what it said."},
+    [GLINT_E_UNAVAILABLE] = {503, 69, "No daemon answers", "/problems/unavailable",
+                             "No daemon answers at that address."},
+    [GLINT_E_VERSION] = {500, 65, "Made by a later version", "/problems/version",
+                         "A file was written by a later version of glint. It is left as it is."},
+    [GLINT_E_INTERNAL] =
+        {500, 70, "Internal error", "/problems/internal",
+         "A fault of glint itself. The daemon's log has the line, by the request's id."},
+    [GLINT_E_DAMAGED] =
+        {500, 74, "Damaged on the disk", "/problems/damaged",
+         "What the daemon had kept of it can no longer be read. It is put aside; send it again."},
+    [GLINT_E_PENDING] = {409, 75, "Still being answered", "/problems/pending",
+                         "A request with the same Idempotency-Key is being answered. Try again "
+                         "after the seconds of Retry-After: the answer is then that one's."},
 };
 
 static unsigned row(glint_status status)
@@ -51,6 +86,19 @@ const char *glint_status_title(glint_status status)
 const char *glint_status_problem(glint_status status)
 {
     return table[row(status)].problem;
+}
+
+const char *glint_status_meaning(glint_status status)
+{
+    return table[row(status)].meaning;
+}
+
+glint_status glint_status_of_problem(const char *name)
+{
+    for (int s = GLINT_OK + 1; s < GLINT_STATUS_COUNT; s++)
+        if (!strcmp(strrchr(table[s].problem, '/') + 1, name))
+            return (glint_status)s;
+    return GLINT_OK;
 }
 
 int glint_status_exit(glint_status status)

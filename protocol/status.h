@@ -30,6 +30,9 @@ typedef enum {
     GLINT_E_UNAVAILABLE,  // no daemon answers (clients only): 503
     GLINT_E_VERSION,      // a file of a format that came later: 500
     GLINT_E_INTERNAL,     // 500
+    // Jobs are kept with the numbers of these: what is new comes last.
+    GLINT_E_DAMAGED, // what was kept can no longer be read: 500
+    GLINT_E_PENDING, // the same request is being answered: 409
     GLINT_STATUS_COUNT
 } glint_status;
 
@@ -60,6 +63,9 @@ const char *glint_error_text(const struct glint_error *err);
 int glint_status_http(glint_status status);            // 200..599
 const char *glint_status_title(glint_status status);   // "Unprocessable content"
 const char *glint_status_problem(glint_status status); // "/problems/unprocessable"
+const char *glint_status_meaning(glint_status status); // a sentence or two on what to do
 int glint_status_exit(glint_status status);            // exit code of a command-line client
+// The status whose problem is /problems/NAME; GLINT_OK: none.
+glint_status glint_status_of_problem(const char *name);
 
 #endif

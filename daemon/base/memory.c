@@ -63,3 +63,14 @@ uint64_t glint_memory_resident(void)
         fclose(f);
     return found == 1 ? pages * (uint64_t)sysconf(_SC_PAGESIZE) : 0;
 }
+
+const char *glint_memory_text(uint64_t bytes, char out[16])
+{
+    static const char *const unit[] = {"bytes", "KiB", "MiB", "GiB", "TiB", "PiB"};
+    double value = (double)bytes;
+    size_t u = 0;
+    for (; value >= 999.5 && u + 1 < sizeof unit / sizeof *unit; u++)
+        value /= 1024;
+    snprintf(out, 16, "%.3g %s", value, unit[u]);
+    return out;
+}

@@ -10,6 +10,9 @@
 // the group's limit, whichever is less.
 uint64_t glint_memory_total(void);
 
+// In the unit that fits, from bytes to PiB: "3.25 GiB". Returns `out`.
+const char *glint_memory_text(uint64_t bytes, char out[16]);
+
 // Bytes of this process that are in memory now, 0: not known.
 uint64_t glint_memory_resident(void);
 

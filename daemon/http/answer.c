@@ -162,10 +162,10 @@ void glint_answer_blob(struct glint_request *r, int status, const char *type,
 }
 
 // Takes `text`.
-static void answer_problem(struct glint_request *r, int status, char *text)
+static void answer_problem(struct glint_request *r, int status, bool later, char *text)
 {
     answer_owned(r, status, "application/problem+json", text, text ? strlen(text) : 0);
-    if (status == MHD_HTTP_SERVICE_UNAVAILABLE)
+    if (later)
         glint_answer_header(r, "Retry-After", "1");
 }
 
@@ -176,7 +176,8 @@ void glint_answer_error(struct glint_request *r, struct glint_error *err)
     if (status >= 500 && err->status != GLINT_E_BUSY)
         glint_log(GLINT_LOG_WARNING, "http", NULL, r->id, "%s: %s", r->url ? r->url : "",
                   glint_error_text(err));
-    answer_problem(r, status, glint_problem_text(err, r->url, r->id));
+    const bool later = status == MHD_HTTP_SERVICE_UNAVAILABLE || err->status == GLINT_E_PENDING;
+    answer_problem(r, status, later, glint_problem_text(err, r->url, r->id));
     glint_error_finish(err);
 }
 
@@ -195,6 +196,7 @@ void glint_answer_problem(struct glint_request *r, int status, const char *title
     cJSON_ReplaceItemInObjectCaseSensitive(o, "type", cJSON_CreateString("about:blank"));
     cJSON_ReplaceItemInObjectCaseSensitive(o, "title", cJSON_CreateString(title));
     cJSON_ReplaceItemInObjectCaseSensitive(o, "status", cJSON_CreateNumber(status));
-    answer_problem(r, status, o ? cJSON_PrintUnformatted(o) : NULL);
+    answer_problem(r, status, status == MHD_HTTP_SERVICE_UNAVAILABLE,
+                   o ? cJSON_PrintUnformatted(o) : NULL);
     cJSON_Delete(o);
 }

@@ -3,6 +3,7 @@
 #include "http/answer.h"
 #include "http/resources.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -21,7 +22,14 @@ static void answer(struct glint_request *r, int status, const char *name, size_t
     cJSON *json = cJSON_CreateObject();
     cJSON_AddStringToObject(json, "sha256", name);
     cJSON_AddNumberToObject(json, "bytes", (double)bytes);
-    glint_answer_json(r, status, json);
+    char *text = cJSON_PrintUnformatted(json);
+    cJSON_Delete(json);
+    if (!text) {
+        glint_answer_response(r, 0, NULL);
+        return;
+    }
+    glint_answer_text(r, status, "application/json", text, strlen(text));
+    free(text);
     glint_answer_header(r, "ETag", "\"%s\"", name);
 }
 
@@ -35,9 +43,11 @@ void glint_http_assets_get(struct glint_request *r)
         if (!ref)
             glint_fail(&err, GLINT_E_NOT_FOUND, "", "there is no asset %s", name);
     }
+    char etag[68];
+    snprintf(etag, sizeof etag, "\"%.64s\"", name);
     if (err.count)
         glint_answer_error(r, &err);
-    else
+    else if (!glint_answer_unchanged(r, etag))
         answer(r, MHD_HTTP_OK, name, glint_asset_ref_bytes(ref)->size);
     glint_asset_ref_release(&ref);
 }

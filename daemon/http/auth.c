@@ -16,7 +16,7 @@ static bool is_open(const struct glint_route *route)
     for (size_t i = 0; i < sizeof open / sizeof *open; i++)
         if (!strcmp(route->pattern, open[i]))
             return true;
-    return !strncmp(route->pattern, "/viewer/", 8);
+    return !strncmp(route->pattern, "/viewer/", 8) || !strncmp(route->pattern, "/problems/", 10);
 }
 
 static enum glint_scope needed(const struct glint_route *route)
@@ -78,16 +78,24 @@ static bool check_job(struct glint_request *r)
     return false;
 }
 
+void glint_auth_check_name(struct glint_request *r, struct glint_error *err)
+{
+    if (r->bad_client)
+        glint_fail(err, GLINT_E_RANGE, "",
+                   "Glint-Client: 1 to %d of A-Z a-z 0-9 . _ @ - are needed",
+                   GLINT_CLIENT_BYTES - 1);
+}
+
+// What else is wrong with a job is told by who reads it, with this.
 static bool take_name(struct glint_request *r)
 {
     const char *name = glint_request_header(r, "Glint-Client");
-    if (!name || glint_client_name_valid(name)) {
-        strcpy(r->client_text, name ? name : "");
+    r->bad_client = name && !glint_client_name_valid(name);
+    strcpy(r->client_text, name && !r->bad_client ? name : "");
+    if (!r->bad_client || r->route->body == GLINT_BODY_JOB)
         return true;
-    }
     struct glint_error err = {0};
-    glint_fail(&err, GLINT_E_RANGE, "", "Glint-Client: 1 to %d of A-Z a-z 0-9 . _ @ - are needed",
-               GLINT_CLIENT_BYTES - 1);
+    glint_auth_check_name(r, &err);
     glint_answer_error(r, &err);
     return false;
 }

@@ -15,6 +15,8 @@
 // Sets r->client_name and r->scope of a request whose route is known. False: it may not, and the
 // answer is there.
 bool glint_auth_request(struct glint_request *r);
+// Adds the fault of a Glint-Client that is no name: of a new job, whose own faults are told with it.
+void glint_auth_check_name(struct glint_request *r, struct glint_error *err);
 
 // The client whose jobs alone the request sees, NULL: all of them.
 const char *glint_auth_tenant(const struct glint_request *r);

@@ -54,6 +54,7 @@ struct glint_request {
     char trace[GLINT_TRACE_BYTES]; // traceparent of this request
     const char *client_name; // who asks, for fairness between clients; never NULL, "": not said
     char client_text[GLINT_CLIENT_BYTES];
+    bool bad_client;        // what the header says is no name, and nobody has told yet
     enum glint_scope scope; // what he may
     bool head, http10;
 

@@ -50,6 +50,7 @@ void glint_http_job_convergence(struct glint_request *r);
 
 // service.c
 void glint_http_service_calls(struct glint_request *r);
+void glint_http_service_problem(struct glint_request *r);
 void glint_http_service_health(struct glint_request *r);
 void glint_http_service_ready(struct glint_request *r);
 void glint_http_service_metrics(struct glint_request *r);

@@ -13,6 +13,8 @@ const struct glint_route glint_route_table[] = {
     {"GET", "/viewer/{}", glint_http_viewer_file, GLINT_LANE_NOW, GLINT_BODY_NONE, "",
      "what its page loads"},
     {"GET", "/calls", glint_http_service_calls, GLINT_LANE_NOW, GLINT_BODY_NONE, "", "this page"},
+    {"GET", "/problems/{}", glint_http_service_problem, GLINT_LANE_NOW, GLINT_BODY_NONE, "",
+     "what a type of problem means"},
     {"GET", "/healthz", glint_http_service_health, GLINT_LANE_NOW, GLINT_BODY_NONE, "",
      "the process lives"},
     {"GET", "/readyz", glint_http_service_ready, GLINT_LANE_NOW, GLINT_BODY_NONE, "",

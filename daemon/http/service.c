@@ -10,29 +10,65 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define POLICY                                                                                    \
+    "default-src 'none'; style-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors " \
+    "'none'"
+
+// Takes the text.
+static void answer_page(struct glint_request *r, struct glint_text *t)
+{
+    size_t length;
+    char *page = glint_text_take(t, &length);
+    if (page) {
+        glint_answer_text(r, MHD_HTTP_OK, "text/html; charset=utf-8", page, length);
+        glint_answer_header(r, "Content-Security-Policy", "%s", POLICY);
+    } else {
+        glint_answer_response(r, 0, NULL);
+    }
+    free(page);
+}
+
+static void begin_page(struct glint_text *t, const char *title)
+{
+    glint_text_print(t,
+                     "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">"
+                     "<title>%s</title>\n<link rel=\"stylesheet\" href=\"/viewer/page.css\">\n"
+                     "<h1>%s</h1>\n",
+                     title, title);
+}
+
 // The calls, for people.
 void glint_http_service_calls(struct glint_request *r)
 {
     struct glint_text t = {0};
-    size_t length;
-    glint_text_add(
-        &t, "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>glint</title>\n"
-            "<style>body{font:16px/1.5 system-ui;margin:3em auto;max-width:50em}"
-            "td{padding:0 1em 0 0;vertical-align:top}code{white-space:nowrap}</style>\n"
-            "<h1>glint</h1>\n<p>A render daemon. The contract: "
-            "<a href=\"/openapi.yaml\">openapi.yaml</a>; what this one can do: "
-            "<a href=\"/v1\">/v1</a>; its <a href=\"/v1/scenes\">scenes</a> and "
-            "<a href=\"/v1/jobs\">jobs</a>; the <a href=\"/\">viewer</a>.</p>\n<table>\n");
+    begin_page(&t, "glint");
+    glint_text_add(&t,
+                   "<p>A render daemon. The contract: "
+                   "<a href=\"/openapi.yaml\">openapi.yaml</a>; what this one can do: "
+                   "<a href=\"/v1\">/v1</a>; its <a href=\"/v1/scenes\">scenes</a> and "
+                   "<a href=\"/v1/jobs\">jobs</a>; the <a href=\"/\">viewer</a>.</p>\n<table>\n");
     for (const struct glint_route *row = glint_route_table; row->method; row++)
         glint_text_print(&t, "<tr><td><code>%s</code><td><code>%s</code><td>%s\n", row->method,
                          row->pattern, row->summary);
     glint_text_add(&t, "</table></html>\n");
-    char *page = glint_text_take(&t, &length);
-    if (page)
-        glint_answer_text(r, MHD_HTTP_OK, "text/html; charset=utf-8", page, length);
-    else
-        glint_answer_response(r, 0, NULL);
-    free(page);
+    answer_page(r, &t);
+}
+
+// What the type of a problem leads to.
+void glint_http_service_problem(struct glint_request *r)
+{
+    struct glint_error err = {0};
+    const glint_status st = glint_status_of_problem(r->argument[0]);
+    if (!st) {
+        glint_fail(&err, GLINT_E_NOT_FOUND, "", "there is no problem of that name");
+        glint_answer_error(r, &err);
+        return;
+    }
+    struct glint_text t = {0};
+    begin_page(&t, glint_status_title(st));
+    glint_text_print(&t, "<p>Status %d. %s</p></html>\n", glint_status_http(st),
+                     glint_status_meaning(st));
+    answer_page(r, &t);
 }
 
 void glint_http_service_health(struct glint_request *r)

@@ -8,7 +8,6 @@
 
 #include <string.h>
 
-#define GIB (1024.0 * 1024 * 1024)
 #define FIRST_SLICE 0.02 // seconds, the guess until a slice was measured
 #define LONG_SLICE 0.1   // seconds: who pauses does not wait for the end of it
 
@@ -33,12 +32,13 @@ static glint_status fits_alone(const glint_scheduler *s, const struct glint_entr
     const uint64_t limit = s->table->limits.memory_bytes;
     if (need->film + need->scene + e->rest_bytes <= limit)
         return GLINT_OK;
+    char all[16], film[16], rest[16], moment[16], most[16];
     return glint_fail(err, GLINT_E_CAPACITY, "/resolution",
-                      "the job needs %.3g GiB of memory: %.3g for its film, %.3g for its scene, "
-                      "%.3g for the moment of it; all jobs and scenes may have %.3g",
-                      (double)(need->film + need->scene + e->rest_bytes) / GIB,
-                      (double)need->film / GIB, (double)e->rest_bytes / GIB,
-                      (double)need->scene / GIB, (double)limit / GIB);
+                      "the job needs %s of memory: %s for its film, %s for its scene, "
+                      "%s for the moment of it; all jobs and scenes may have %s",
+                      glint_memory_text(need->film + need->scene + e->rest_bytes, all),
+                      glint_memory_text(need->film, film), glint_memory_text(e->rest_bytes, rest),
+                      glint_memory_text(need->scene, moment), glint_memory_text(limit, most));
 }
 
 static glint_status submit(glint_scheduler *s, struct glint_command *c)

@@ -14,13 +14,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define KEYS 16u // submissions with a key that go on side by side
+// A submission with a key that is being answered, on the stack of who does.
+struct pending {
+    const char *key, *client;
+    struct pending *next;
+};
 
 struct glint_jobs {
     glint_store *store;
     glint_prices *prices;
     glint_checkpoints *checkpoints; // NULL: nothing is kept
-    pthread_mutex_t keyed[KEYS]; // by a hash of the key: two submissions with one follow each other
+    pthread_mutex_t keys;           // guards `pending`; a leaf
+    struct pending *pending;
     struct glint_job_table table;
     glint_scheduler *scheduler;
 };
@@ -95,8 +100,7 @@ glint_status glint_jobs_create(glint_jobs **out, glint_devices *devices, glint_s
     if (!jobs)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for the job table");
     jobs->store = store;
-    for (unsigned i = 0; i < KEYS; i++)
-        pthread_mutex_init(&jobs->keyed[i], NULL);
+    pthread_mutex_init(&jobs->keys, NULL);
     glint_status st = glint_job_table_init(&jobs->table, glint_devices_workers(devices))
                           ? GLINT_OK
                           : glint_fail(err, GLINT_E_NOMEM, "", "no memory for the job table");
@@ -155,8 +159,7 @@ void glint_jobs_destroy(glint_jobs **jobs)
     glint_job_table_finish(&j->table);
     glint_checkpoints_destroy(&j->checkpoints);
     glint_prices_destroy(&j->prices);
-    for (unsigned i = 0; i < KEYS; i++)
-        pthread_mutex_destroy(&j->keyed[i]);
+    pthread_mutex_destroy(&j->keys);
     free(j);
     *jobs = NULL;
 }
@@ -270,28 +273,54 @@ static glint_status submit_new(glint_jobs *jobs, struct glint_job *job,
     return st;
 }
 
-static pthread_mutex_t *key_of(glint_jobs *jobs, const char *key)
+// Enters a submission with a key among those that are being answered; false: its twin is there.
+static bool begin_key(glint_jobs *jobs, struct pending *p)
 {
-    unsigned hash = 5381;
-    while (*key)
-        hash = hash * 33 + (unsigned char)*key++;
-    return &jobs->keyed[hash % KEYS];
+    pthread_mutex_lock(&jobs->keys);
+    const struct pending *other = jobs->pending;
+    while (other && (strcmp(other->key, p->key) || strcmp(other->client, p->client)))
+        other = other->next;
+    if (!other) {
+        p->next = jobs->pending;
+        jobs->pending = p;
+    }
+    pthread_mutex_unlock(&jobs->keys);
+    return !other;
+}
+
+static void end_key(glint_jobs *jobs, const struct pending *p)
+{
+    pthread_mutex_lock(&jobs->keys);
+    struct pending **at = &jobs->pending;
+    while (*at != p)
+        at = &(*at)->next;
+    *at = p->next;
+    pthread_mutex_unlock(&jobs->keys);
+}
+
+// Before the scene is looked up: a repeated request is answered even if that has gone.
+static glint_status submit_or_repeat(glint_jobs *jobs, struct glint_job *job,
+                                     const struct glint_submission *from,
+                                     char id[GLINT_JOB_ID_BYTES], bool *repeated,
+                                     struct glint_error *err)
+{
+    struct glint_entry *known = hold_by_key(jobs, from);
+    *repeated = known != NULL;
+    return known ? submit_again(known, job, id, err)
+                 : submit_new(jobs, job, from, id, repeated, err);
 }
 
 glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job,
                                const struct glint_submission *from, char id[GLINT_JOB_ID_BYTES],
                                bool *repeated, struct glint_error *err)
 {
-    pthread_mutex_t *keyed = from->key ? key_of(jobs, from->key) : NULL;
-    if (keyed)
-        pthread_mutex_lock(keyed);
-    // Before the scene is looked up: a repeated request is answered even if that has gone.
-    struct glint_entry *known = hold_by_key(jobs, from);
-    *repeated = known != NULL;
-    const glint_status st =
-        known ? submit_again(known, job, id, err) : submit_new(jobs, job, from, id, repeated, err);
-    if (keyed)
-        pthread_mutex_unlock(keyed);
+    struct pending own = {.key = from->key, .client = from->client ? from->client : ""};
+    if (own.key && !begin_key(jobs, &own))
+        return glint_fail(err, GLINT_E_PENDING, "",
+                          "a request with this Idempotency-Key is being answered");
+    const glint_status st = submit_or_repeat(jobs, job, from, id, repeated, err);
+    if (own.key)
+        end_key(jobs, &own);
     return st;
 }
 

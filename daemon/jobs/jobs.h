@@ -88,6 +88,7 @@ struct glint_submission {
 //   GLINT_E_RANGE     no such scene, no such camera (pointers into the job); the key
 //   GLINT_E_CAPACITY  it would not fit if it were alone with its scene
 //   GLINT_E_BUSY      too many jobs wait, or the daemon is shutting down
+//   GLINT_E_PENDING   another submission of the client with this key is being answered
 glint_status glint_jobs_submit(glint_jobs *jobs, struct glint_job *job,
                                const struct glint_submission *from, char id[GLINT_JOB_ID_BYTES],
                                bool *repeated, struct glint_error *err);

@@ -182,7 +182,7 @@ static glint_status read_back(glint_revision *r, struct glint_error *err)
 
 static glint_status refuse(const glint_revision *r, struct glint_error *err)
 {
-    return glint_fail(err, GLINT_E_CONFLICT, "", "the scene \"%s\" cannot be loaded: %s", r->name,
+    return glint_fail(err, GLINT_E_DAMAGED, "", "the scene \"%s\" cannot be loaded: %s", r->name,
                       glint_error_text(&r->why));
 }
 

@@ -86,7 +86,7 @@ void glint_revision_use(glint_revision *revision, int delta); // jobs that hold 
 // After a restart a revision is known before it is in memory again. Whoever needs its content loads
 // it first, which takes as long as building the scene; the calls below but use, id and resource are
 // for loaded ones.
-//   GLINT_E_CONFLICT  its files are damaged or gone
+//   GLINT_E_DAMAGED  its files are damaged or gone
 //   GLINT_E_CAPACITY, GLINT_E_NOMEM  it does not fit now
 glint_status glint_revision_load(glint_revision *revision, struct glint_error *err);
 struct glint_resident *glint_revision_resident(const glint_revision *revision); // borrowed

@@ -78,7 +78,8 @@ def test_a_new_token_is_told_once_and_its_line_holds_only_the_digest():
 
 def test_without_a_token_only_what_tells_nothing_is_answered():
     with Tokens() as tokens, Daemon("--threads", "1", "--token-file", tokens.path) as daemon:
-        for path in ["/", "/calls", "/healthz", "/readyz", "/openapi.yaml"]:
+        for path in ["/", "/calls", "/healthz", "/readyz", "/openapi.yaml",
+                     "/problems/unauthorized", "/viewer/page.css"]:
             assert daemon.get(path).status == 200, path
         for path in ["/v1", "/v1/scenes", "/v1/jobs", "/v1/jobs/x/frame.exr", "/metrics"]:
             answer = daemon.get(path)

@@ -1,4 +1,5 @@
 """What a stranger may send: each request gets its status, and the daemon serves on."""
+import hashlib
 import re
 
 import tap
@@ -151,6 +152,59 @@ def test_every_problem_names_itself_and_its_request():
         assert answer.headers["X-Request-Id"] == problem["request_id"] == "shot-7"
         assert problem["type"].startswith("/problems/") and problem["title"] and problem["detail"]
         assert daemon.get("/v1/jobs/none").json()["request_id"] != "shot-7"
+
+
+def test_the_type_of_a_problem_leads_to_what_it_means():
+    with Daemon() as daemon:
+        types = {daemon.ask(method, path, body, {"Content-Type": kind}).json()["type"]
+                 for method, path, body, kind in [
+                     ("GET", "/nothing", None, ""), ("POST", "/healthz", None, ""),
+                     ("POST", "/v1/jobs", b"{", "application/json"),
+                     ("POST", "/v1/jobs", b"{}", "application/json"),
+                     ("POST", "/v1/jobs", b"{}", "text/plain")]}
+        assert len(types) == 5, types
+        for path in sorted(types):
+            page = daemon.get(path)
+            assert page.status == 200 and b"Status 4" in page.body, path
+            assert page.headers["Content-Type"] == "text/html; charset=utf-8"
+        assert daemon.get("/problems/none").status == 404
+
+
+def test_pages_bring_no_style_and_no_script_of_their_own():
+    with Daemon() as daemon:
+        for path in ["/calls", "/problems/busy"]:
+            page = daemon.get(path)
+            policy = page.headers["Content-Security-Policy"]
+            assert policy.startswith("default-src 'none'; style-src 'self'"), policy
+            assert b"<style" not in page.body and b"<script" not in page.body
+            sheet = re.search(rb'href="(/viewer/[a-z.]+)"', page.body)[1].decode()
+            assert daemon.get(sheet).headers["Content-Type"].startswith("text/css")
+
+
+def test_a_bad_name_of_a_client_is_told_with_the_faults_of_his_job():
+    with Daemon() as daemon:
+        answer = daemon.post({"scene": "none", "colour": 1}, {"Glint-Client": "a b",
+                                                              "Idempotency-Key": "two words"})
+        assert answer.status == 422
+        told = [fault["detail"] for fault in answer.json()["errors"]]
+        for word in ("Glint-Client", "Idempotency-Key", "colour", "no scene"):
+            assert any(word in detail for detail in told), (word, told)
+        answer = daemon.ask("GET", "/v1/jobs", None, {"Glint-Client": "a b"})
+        assert answer.status == 422 and "Glint-Client" in answer.json()["detail"]
+
+
+def test_what_has_one_entity_tag_is_not_sent_again():
+    with Daemon() as daemon:
+        data = b"bytes of an asset"
+        asset = "/v1/assets/" + hashlib.sha256(data).hexdigest()
+        assert daemon.ask("PUT", asset, data, {}).status == 201
+        for path in ["/healthz", "/readyz", asset]:
+            first = daemon.get(path)
+            tags = first.headers.get_all("ETag")
+            assert first.status == 200 and len(tags) == 1, (path, tags)
+            again = daemon.get(path, {"If-None-Match": tags[0]})
+            assert again.status == 304 and not again.body, path
+            assert again.headers.get_all("ETag") == tags, path
 
 
 def test_two_requests_in_one_packet_are_both_answered():

@@ -206,7 +206,8 @@ def test_a_damaged_file_of_a_scene_is_told_and_kept_aside():
         d.wait(lambda: d.get("/v1/scenes/sail").json()["state"] == "failed", "it cannot be loaded")
         scene = d.get("/v1/scenes/sail").json()
         assert "damaged" in scene["problem"]
-        assert d.post({"scene": "sail"}).status == 409
+        refused = d.post({"scene": "sail"})
+        assert refused.status == 500 and refused.json()["type"] == "/problems/damaged"
         assert "cannot be loaded" in d.logged()
         assert any(name.endswith(".torn") for _, _, names in os.walk(d.path("assets"))
                    for name in names)

@@ -51,6 +51,7 @@ static char *operation(const struct glint_route *row)
     const char *name = !strncmp(row->pattern, "/v1/scenes", 10)   ? "{scene}"
                        : !strncmp(row->pattern, "/v1/assets", 10) ? "{sha256}"
                        : !strncmp(row->pattern, "/viewer", 7)     ? "{file}"
+                       : !strncmp(row->pattern, "/problems", 9)   ? "{name}"
                                                                   : "{id}";
     if (hole)
         snprintf(path, sizeof path, "%.*s%s%s", (int)(hole - row->pattern), row->pattern, name,

@@ -171,6 +171,77 @@ static void a_key_is_not_good_for_another_job(void **state)
     fixture_stop(&f);
 }
 
+// A scheduler that is told to tell of a change waits while the gate is shut.
+struct gate {
+    pthread_mutex_t mutex;
+    pthread_cond_t changed;
+    bool shut, waited;
+    struct fixture *f;
+    int answers, pending, fresh, again; // submissions that came back, by how
+};
+
+static void wait_at_gate(void *user)
+{
+    struct gate *g = user;
+    pthread_mutex_lock(&g->mutex);
+    g->waited = true;
+    pthread_cond_broadcast(&g->changed);
+    while (g->shut)
+        pthread_cond_wait(&g->changed, &g->mutex);
+    pthread_mutex_unlock(&g->mutex);
+}
+
+static void *submit_at_gate(void *user)
+{
+    struct gate *g = user;
+    char id[GLINT_JOB_ID_BYTES];
+    bool repeated = false;
+    const glint_status st =
+        fixture_try(g->f, "{'scene': 's', " SMALL "}", "k", id, &repeated, NULL);
+    pthread_mutex_lock(&g->mutex);
+    g->answers++;
+    g->pending += st == GLINT_E_PENDING;
+    g->fresh += !st && !repeated;
+    g->again += !st && repeated;
+    pthread_cond_broadcast(&g->changed);
+    pthread_mutex_unlock(&g->mutex);
+    return NULL;
+}
+
+static void a_key_that_is_being_answered_is_refused_at_once(void **state)
+{
+    (void)state;
+    struct fixture f;
+    struct gate g = {.mutex = PTHREAD_MUTEX_INITIALIZER,
+                     .changed = PTHREAD_COND_INITIALIZER,
+                     .shut = true,
+                     .f = &f};
+    pthread_t twin[2];
+    fixture_start(&f, 1);
+    glint_jobs_on_change(f.jobs, wait_at_gate, &g);
+    fixture_submit(&f, "{'scene': 's', 'seed': 1, " SMALL "}");
+    pthread_mutex_lock(&g.mutex);
+    while (!g.waited)
+        pthread_cond_wait(&g.changed, &g.mutex);
+    pthread_mutex_unlock(&g.mutex);
+    for (int i = 0; i < 2; i++)
+        pthread_create(&twin[i], NULL, submit_at_gate, &g);
+    pthread_mutex_lock(&g.mutex);
+    while (!g.answers)
+        pthread_cond_wait(&g.changed, &g.mutex);
+    assert_int_equal(g.pending, 1);
+    g.shut = false;
+    pthread_cond_broadcast(&g.changed);
+    pthread_mutex_unlock(&g.mutex);
+    for (int i = 0; i < 2; i++)
+        pthread_join(twin[i], NULL);
+    assert_int_equal(g.fresh, 1);
+    submit_at_gate(&g);
+    assert_int_equal(g.again, 1);
+    glint_jobs_on_change(f.jobs, NULL, NULL);
+    fixture_stop(&f);
+}
+
 static void a_key_outlives_its_scene_but_not_its_job(void **state)
 {
     (void)state;
@@ -215,7 +286,9 @@ struct submitter {
 static void *submit_with_key(void *arg)
 {
     struct submitter *s = arg;
-    fixture_try(s->f, "{'scene': 's', " SMALL "}", "k", s->id, &s->repeated, NULL);
+    while (fixture_try(s->f, "{'scene': 's', " SMALL "}", "k", s->id, &s->repeated, NULL) ==
+           GLINT_E_PENDING) // as a client would, who is told to try again
+        ;
     return NULL;
 }
 
@@ -489,6 +562,7 @@ int main(void)
         cmocka_unit_test(unknown_scenes_and_cameras_are_faults_of_the_job),
         cmocka_unit_test(a_repeated_key_answers_the_first_job),
         cmocka_unit_test(a_key_is_not_good_for_another_job),
+        cmocka_unit_test(a_key_that_is_being_answered_is_refused_at_once),
         cmocka_unit_test(a_key_outlives_its_scene_but_not_its_job),
         cmocka_unit_test(keys_are_bounded),
         cmocka_unit_test(one_job_is_made_of_submissions_at_once_with_one_key),

@@ -16,7 +16,17 @@ static void every_code_has_a_row(void **state)
         assert_in_range(glint_status_exit(s), 1, 127);
         assert_true(strlen(glint_status_title(s)) > 3);
         assert_memory_equal(glint_status_problem(s), "/problems/", 10);
+        assert_int_equal(glint_status_of_problem(glint_status_problem(s) + 10), s);
+        assert_true(strlen(glint_status_meaning(s)) > 20);
     }
+}
+
+static void problems_that_do_not_exist_have_no_status(void **state)
+{
+    (void)state;
+    static const char *const name[] = {"", "OK", "about:blank", "rang", "conflict/", "/conflict"};
+    for (size_t i = 0; i < sizeof name / sizeof *name; i++)
+        assert_int_equal(glint_status_of_problem(name[i]), GLINT_OK);
 }
 
 static void http_codes_are_those_of_the_conventions(void **state)
@@ -76,6 +86,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_code_has_a_row),
+        cmocka_unit_test(problems_that_do_not_exist_have_no_status),
         cmocka_unit_test(http_codes_are_those_of_the_conventions),
         cmocka_unit_test(the_first_fault_gives_the_code_and_all_are_kept),
         cmocka_unit_test(too_many_faults_end_with_a_sentence_that_says_so),
