@@ -75,6 +75,7 @@ UNIT_TESTS = \
 	tests/unit/test_import_gltf \
 	tests/unit/test_import_gltf_materials \
 	tests/unit/test_import_gltf_scene \
+	tests/unit/test_import_gltf_morph \
 	tests/unit/test_import_gltf_time \
 	tests/unit/test_job \
 	tests/unit/test_jobs \
@@ -212,6 +213,8 @@ tests_unit_test_import_gltf_SOURCES = tests/unit/test_import_gltf.c $(gltf_expec
 tests_unit_test_import_gltf_materials_SOURCES = tests/unit/test_import_gltf_materials.c \
 	$(gltf_expect)
 tests_unit_test_import_gltf_scene_SOURCES = tests/unit/test_import_gltf_scene.c $(gltf_expect)
+tests_unit_test_import_gltf_morph_SOURCES = tests/unit/test_import_gltf_morph.c \
+	tests/unit/gltf_moving.c tests/unit/gltf_moving.h $(gltf_expect)
 tests_unit_test_import_gltf_time_SOURCES = tests/unit/test_import_gltf_time.c \
 	tests/unit/gltf_moving.c tests/unit/gltf_moving.h $(gltf_expect)
 tests_unit_test_checkpoint_SOURCES = tests/unit/test_checkpoint.c $(jobs_fixture)

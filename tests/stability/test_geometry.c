@@ -33,6 +33,22 @@ static void closed_ball_is_dark_inside(void **state)
     assert_true(fast < 1e-5);
 }
 
+static void placed_balls_far_from_their_own_origin_are_dark_inside(void **state)
+{
+    (void)state;
+    struct glint_frame *f = stable_frame(
+        &offline_crew,
+        stable_text("{'environment':{'radiance':[1e6,1e6,1e6]},'materials':{'m':{'ior':1}},"
+                    "'meshes':{'s':{'primitive':'sphere','segments':128}},"
+                    "'instances':{'s':{'mesh':'s','material':'m','transform':{"
+                    "'translation':[1e5,-1e5,1e5],'rotation':[0.3,0.1,0.2,0.9]}}},"
+                    "'cameras':{'eye':{'yfov':2,'transform':{'translation':[1e5,-1e5,1e5]}}}}"),
+        stable_text("{'scene':'s','live':true,'outputs':['beauty'],'resolution':[96,96],"
+                    "'max_bounces':1,'accuracy':{'traversal':'robust'},'stop':{'samples':64}}"));
+    assert_float_equal(stable_mean(f, "G").mean, 0.0, 0.0);
+    glint_frame_destroy(&f);
+}
+
 static char *wall_with(const char *extra_positions)
 {
     return stable_text(
@@ -215,6 +231,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_ball_is_dark_inside),
+        cmocka_unit_test(placed_balls_far_from_their_own_origin_are_dark_inside),
         cmocka_unit_test(degenerate_triangles_are_dropped_counted_and_unseen),
         cmocka_unit_test(coincident_surfaces_show_the_same_for_any_number_of_workers),
         cmocka_unit_test(order_of_equal_coincident_instances_does_not_matter),

@@ -46,4 +46,7 @@ struct glint_scene *gltf_moving(const char *rest);
 void gltf_refuse_moving(const char *rest, const struct gltf_moving *data, const char *pointer,
                         const char *word);
 
+// Two morph targets of a primitive, with the accessors above.
+#define TARGETS "'targets':[{'POSITION':13},{'POSITION':14,'NORMAL':13}]"
+
 #endif
