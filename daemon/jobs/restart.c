@@ -90,14 +90,46 @@ static void recall_progress(struct glint_entry *e, const struct glint_job_row *r
     glint_job_rendered_read(&e->kept.rendered, row->rendered);
 }
 
+// A job whose text cannot be understood stands in the list as one that failed, with what is known of
+// it. Its row is not written to, and its films stay, until somebody forgets it.
+static glint_status stand_in(struct glint_entry *e, const struct glint_job_row *row,
+                             const struct glint_error *why, struct glint_error *err)
+{
+    cJSON *least = cJSON_CreateObject();
+    cJSON_AddStringToObject(least, "scene", row->scene);
+    char *text = cJSON_PrintUnformatted(least);
+    cJSON_Delete(least);
+    const glint_status st = text ? glint_job_parse(&e->job, text, strlen(text), err)
+                                 : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a job");
+    free(text);
+    e->state = GLINT_JOB_FAILED;
+    for (size_t i = 0; i < why->count; i++)
+        glint_fail(&e->problem, GLINT_E_DAMAGED, why->fault[i].pointer,
+                   "what is kept of the job cannot be read: %s", why->fault[i].detail);
+    glint_log(GLINT_LOG_ERROR, "jobs", row->id, NULL, "its row and films are left as they are: %s",
+              glint_error_text(why));
+    return st;
+}
+
+static glint_status read_job(struct glint_entry *e, const struct glint_job_row *row,
+                             struct glint_error *err)
+{
+    struct glint_error why = {0};
+    e->state = state_of(row);
+    glint_status st = glint_job_parse(&e->job, row->text, strlen(row->text), &why);
+    if (st)
+        st = stand_in(e, row, &why, err);
+    glint_error_finish(&why);
+    return st;
+}
+
 static glint_status fill(struct glint_entry *e, struct glint_job_row *row, glint_store *store,
                          struct glint_error *err)
 {
     strcpy(e->id, row->id);
-    glint_status st = glint_job_parse(&e->job, row->text, strlen(row->text), err);
+    glint_status st = read_job(e, row, err);
     if (st)
         return st;
-    e->state = state_of(row);
     const bool needed = !glint_state_ended(e->state);
     st = glint_store_recall(store, row->scene, row->revision, needed, &e->revision, err);
     if (st)

@@ -9,6 +9,7 @@ import shutil
 import sqlite3
 import subprocess
 import tempfile
+import time
 
 import daemon
 import tap
@@ -215,6 +216,48 @@ def test_a_damaged_file_of_a_scene_is_told_and_kept_aside():
         assert d.get("/v1/scenes/sail").json()["state"] == "resident"
         d.restart()
         d.wait(lambda: d.get("/v1/scenes/sail").json()["state"] == "resident", "it is back")
+
+
+def test_a_job_that_cannot_be_read_back_is_listed_as_failed_and_left_as_it_is():
+    with Lasting() as d:
+        d.put("room", ROOM)
+        job = d.submit(scene="room", stop={"samples": 2}, name="of a later version")
+        before = d.get(f"/v1/jobs/{job}/frame.exr?wait=done").body
+        assert d.stop() == 0
+        with contextlib.closing(sqlite3.connect(d.path("journal.db"))) as connection, connection:
+            connection.execute("UPDATE job SET text=json_insert(text, '$.colour', 1)")
+        row, films = d.rows("SELECT * FROM job"), d.films()
+        for _ in range(2):
+            d.start()
+            listed, = d.get("/v1/jobs").json()["jobs"]
+            assert listed["id"] == job and listed["state"] == "failed", listed
+            assert listed["problem"]["type"] == "/problems/damaged"
+            assert "colour" in listed["problem"]["detail"]
+            assert d.get(f"/v1/jobs/{job}/frame.exr").body == before
+            assert d.stop() == 0
+            assert d.rows("SELECT * FROM job") == row and d.films() == films
+        d.start()
+        assert d.delete(f"/v1/jobs/{job}").status == 204
+        assert d.get("/v1/jobs").json()["jobs"] == []
+        assert not d.rows("SELECT id FROM job")
+
+
+def test_films_put_aside_are_kept_for_a_while_the_newest_few():
+    with Lasting() as d:
+        used(d)
+        day = 86400
+        for n in range(20):
+            path = d.path("films", f"{n:032x}.1." + ("torn" if n % 2 else "newer"))
+            with open(path, "w", encoding="utf-8") as file:
+                file.write("film")
+            os.utime(path, (time.time() - n * day,) * 2)
+        old = d.path("films", "f" * 32 + ".1.torn")
+        with open(old, "w", encoding="utf-8") as file:
+            file.write("film")
+        os.utime(old, (time.time() - 31 * day,) * 2)
+        d.start()
+        aside = [name for name in d.films() if name.endswith((".torn", ".newer"))]
+        assert [int(name[:32], 16) for name in aside] == list(range(16)), aside
 
 
 def test_what_a_kill_left_half_written_is_swept():
