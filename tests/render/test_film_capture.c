@@ -9,10 +9,10 @@
 
 #define MAX_TILES 64
 #define MOVES 12
-#define COUNTS 5 // of samples between passes, with none
+#define COUNTS 8 // of samples between passes, with none
 
 static struct glint_posed scene;
-static const uint32_t count_of[COUNTS] = {0, 1, 4, 16, 24};
+static const uint32_t count_of[COUNTS] = {0, 1, 2, 4, 8, 12, 16, 24};
 static const char *const jobs[2] = {"'stop':{'samples':24},'live':true,",
                                     "'stop':{'samples':24},'live':true,'camera':'side',"};
 
