@@ -37,6 +37,7 @@ UNIT_TESTS = \
 	tests/render/test_matte_names \
 	tests/render/test_mattes \
 	tests/render/test_motion \
+	tests/render/test_need \
 	tests/render/test_precision \
 	tests/render/test_resident \
 	tests/render/test_transport \
@@ -161,6 +162,7 @@ tests_render_test_eq1_SOURCES = tests/render/test_eq1.c tests/stability/stable.c
 	tests/stability/stable.h $(offline) $(things)
 tests_render_test_features_SOURCES = tests/render/test_features.c $(stable)
 tests_render_test_many_lights_SOURCES = tests/render/test_many_lights.c $(stable)
+tests_render_test_need_SOURCES = tests/render/test_need.c $(stable)
 tests_render_test_precision_SOURCES = tests/render/test_precision.c $(stable)
 tests_render_test_resident_SOURCES = tests/render/test_resident.c $(stable)
 tests_stability_test_degenerate_SOURCES = tests/stability/test_degenerate.c $(stable)

@@ -230,6 +230,25 @@ static void who_is_paused_ending_or_unprepared_gets_no_turn(void **state)
     leave(entry, 1);
 }
 
+static void who_is_paused_ending_or_being_prepared_gets_no_film(void **state)
+{
+    (void)state;
+    struct glint_entry a = make(0);
+    struct glint_entry *const entry[] = {&a};
+    a.render = NULL;
+    enter(entry, 1);
+    assert_ptr_equal(glint_turn_prepare(entry, 1, GLINT_MAX_FILMS), &a);
+    a.state = GLINT_JOB_PAUSED;
+    assert_null(glint_turn_prepare(entry, 1, GLINT_MAX_FILMS));
+    a.state = GLINT_JOB_QUEUED;
+    a.end = GLINT_JOB_CANCELLED;
+    assert_null(glint_turn_prepare(entry, 1, GLINT_MAX_FILMS));
+    a.end = GLINT_JOB_QUEUED;
+    a.preparing = true;
+    assert_null(glint_turn_prepare(entry, 1, GLINT_MAX_FILMS));
+    leave(entry, 1);
+}
+
 static void films_are_made_for_the_important_first_and_for_few_at_once(void **state)
 {
     (void)state;
@@ -290,6 +309,7 @@ int main(void)
         cmocka_unit_test(turns_taken_alone_are_no_debt),
         cmocka_unit_test(a_client_has_an_account_for_each_priority),
         cmocka_unit_test(who_is_paused_ending_or_unprepared_gets_no_turn),
+        cmocka_unit_test(who_is_paused_ending_or_being_prepared_gets_no_film),
         cmocka_unit_test(films_are_made_for_the_important_first_and_for_few_at_once),
         cmocka_unit_test(a_client_without_a_film_gets_the_next_one),
     };
