@@ -320,7 +320,8 @@ dist_check_DATA += tests/bench/every_effect.py tests/bench/million_blend.py \
 	tests/stability/programs.py tests/stability/table.py tests/tap.py
 
 dist_check_SCRIPTS += tests/mutation/run tests/bench/effects_table
-EXTRA_DIST += docs/effects/README.md docs/effects/effects.json
+EXTRA_DIST += docs/effects/README.md docs/effects/effects.json docs/precision/README.md \
+	docs/precision/precision.json docs/mutation/table.csv docs/mutation/table.md
 dist_check_DATA += tests/kernel/matte_double.h tests/mutation/faults.toml tests/mutation/filter.c tests/mutation/table.py
 
 TEST_EXTENSIONS = .py .sh

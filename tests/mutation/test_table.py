@@ -32,5 +32,12 @@ def test_every_fault_applies_to_the_source_exactly_once():
     assert not wrong, wrong
 
 
+def test_the_published_table_has_every_fault_and_no_survivor():
+    with open(os.path.join(table.TOP, "docs/mutation/table.csv"), encoding="utf-8") as f:
+        rows = dict(line.rstrip("\n").split(",", 2)[:2] for line in f.readlines()[1:])
+    assert sorted(rows) == sorted(fault["id"] for fault in FAULTS)
+    assert set(rows.values()) == {"caught"}, rows
+
+
 if __name__ == "__main__":
     tap.main()
