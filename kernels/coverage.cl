@@ -64,8 +64,8 @@ GK_INLINE void gk_path_deposit(__global gk_u64 *table, gk_u32 slots, gk_u32 wait
     gk_table_lose(table, slots, &lost);
 }
 
-// tables: [256][slots + GK_MATTE_LOST_WORDS], from `offset` slots on. lane: of the tile's first pixel; step: lanes from
-// one sample of a pixel to the next. salt: new for each launch on a tile.
+// tables: [256][slots + GK_MATTE_LOST_WORDS], from `offset` slots on. lane: of the tile's first pixel;
+// step: lanes from one sample of a pixel to the next. salt: new for each launch on a tile.
 __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32 stride,
                                const gk_u32 n, const gk_u32 lane, const gk_u32 step,
                                const gk_u32 samples, __global gk_u64 *restrict tables,
@@ -75,8 +75,8 @@ __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32
     const gk_u32 i = (gk_u32)get_global_id(0);
     if (i >= n)
         return;
-    struct gk_pixel_table t =
-        gk_pixel_table_at(tables + offset + i * (slots + GK_MATTE_LOST_WORDS), slots, policy, gk_mix32(salt ^ i));
+    struct gk_pixel_table t = gk_pixel_table_at(tables + offset + i * (slots + GK_MATTE_LOST_WORDS),
+                                                slots, policy, gk_mix32(salt ^ i));
     for (gk_u32 s = 0; s < samples; s++)
         gk_pixel_deposit(&t, GK_LOAD_U32(GK_COL_KEY, lane + i + s * step) | GK_WAITS_DIRECT,
                          GK_MATTE_ONE);
@@ -84,10 +84,32 @@ __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32
 }
 
 #ifdef GK_THROUGH
-// What the vertices just shaded have left for the mattes: of the first n paths, one item in all,
-// because any of them may share a pixel. tables: [pixels][slots +
-// GK_MATTE_LOST_WORDS]; pixels: of the block, a power
-// of two. salt: new for each launch on a block.
+// What the first vertices of a whole wave, just shaded, have left for the mattes: lanes are in their
+// places, arguments as above.
+__kernel void deposit_first(const __global float *restrict wave, const gk_u32 stride,
+                            const gk_u32 n, const gk_u32 lane, const gk_u32 step,
+                            const gk_u32 samples, __global gk_u64 *restrict tables,
+                            const gk_u32 offset, const gk_u32 slots, const gk_u32 policy,
+                            const gk_u32 salt)
+{
+    const gk_u32 i = (gk_u32)get_global_id(0);
+    if (i >= n)
+        return;
+    struct gk_pixel_table t = gk_pixel_table_at(tables + offset + i * (slots + GK_MATTE_LOST_WORDS),
+                                                slots, policy, gk_mix32(salt ^ i));
+    for (gk_u32 s = 0; s < samples; s++) {
+        const gk_u32 at = lane + i + s * step;
+#ifdef GK_OPAQUE_FULL
+        gk_pixel_deposit(&t, GK_LOAD_U32(GK_COL_DEPOSIT0, at), GK_LOAD_U32(GK_COL_AMOUNT0, at));
+#endif
+        gk_pixel_deposit(&t, GK_LOAD_U32(GK_COL_DEPOSIT1, at), GK_LOAD_U32(GK_COL_AMOUNT1, at));
+    }
+    gk_pixel_finish(&t);
+}
+
+// Of later vertices: those of the first n paths, one item in all, because any of them may share a
+// pixel. tables: [pixels][slots + GK_MATTE_LOST_WORDS]; pixels: of the block, a power of two. salt:
+// new for each launch on a block.
 __kernel void deposit_carried(const __global float *restrict wave, const gk_u32 stride,
                               const gk_u32 n, const gk_u32 pixels, __global gk_u64 *restrict tables,
                               const gk_u32 slots, const gk_u32 policy, const gk_u32 salt)

@@ -66,13 +66,14 @@ GK_INLINE struct gk_spread gk_spread_scatter(struct gk_spread s, gk_f32 v2)
     return a;
 }
 
-// Eq. 4 without cancellation. pdf: solid angle, given the side that was sampled, of the lobes of
-// that side that are not deltas; > 0, inf gives 0. Up to 1/(2 pi) the variance is infinite.
-GK_INLINE gk_f32 gk_lobe_variance(gk_f32 pdf)
+// Eq. 4 without cancellation. pdf: solid angle of the lobes of the side that was sampled that are not
+// deltas; > 0, inf gives 0. side: probability of these lobes, over which pdf is that given the side.
+// Up to side / (2 pi) the variance is infinite. With a = 2 pi pdf, e = side / a.
+GK_INLINE gk_f32 gk_lobe_variance(gk_f32 pdf, gk_f32 side)
 {
-    const gk_f32 e = gk_min(0.159154943f / pdf, 1.0f);
-    const gk_f32 rest = 1.0f - e;
-    return e * (2.0f - e) / (2.0f * rest * rest);
+    const gk_f32 a = gk_min(GK_TWO_PI * pdf, 1e38f), rest = a - side;
+    const gk_f32 v2 = side * (2.0f * a - side) / (2.0f * rest * rest);
+    return rest > 0.0f ? v2 : GK_INFINITY;
 }
 
 GK_INLINE void gk_cone_advance(struct gk_cone *c, gk_f32 t)
@@ -81,17 +82,15 @@ GK_INLINE void gk_cone_advance(struct gk_cone *c, gk_f32 t)
     c->way += t;
 }
 
-// Slope of a cone of radius r and slope g after a mirror. curvature: 1/m, > 0 where the surface bulges
-// towards the path; cosine > 0.
-GK_INLINE gk_f32 gk_cone_reflected(gk_f32 r, gk_f32 g, gk_f32 curvature, gk_f32 cosine)
+// Slope of a cone of radius r and slope g beyond a vertex: after a mirror, or, where it crosses,
+// paraxial refraction. curvature: 1/m, > 0 where the surface bulges towards the path. cosine > 0, of
+// the path; eta: index behind over index before. One division for both.
+GK_INLINE gk_f32 gk_cone_bent(gk_f32 r, gk_f32 g, gk_f32 curvature, gk_f32 cosine, gk_f32 eta,
+                              gk_i32 crosses)
 {
-    return g + 2.0f * curvature * r / cosine;
-}
-
-// Paraxial. eta: index before over index behind.
-GK_INLINE gk_f32 gk_cone_refracted(gk_f32 r, gk_f32 g, gk_f32 curvature, gk_f32 eta)
-{
-    return eta * g - (1.0f - eta) * curvature * r;
+    const gk_f32 inverse = 1.0f / (crosses ? eta : cosine);
+    const gk_f32 across = inverse * g - (1.0f - inverse) * curvature * r;
+    return crosses ? across : g + 2.0f * curvature * r * inverse;
 }
 
 // Square of the radius at a hit.

@@ -108,17 +108,21 @@ GK_INLINE void gk_sincos_2pi(gk_f32 u, gk_f32 *sin_out, gk_f32 *cos_out)
     *cos_out = gk_select(cos_abs, -cos_abs, ((quadrant + 1) & 2) != 0);
 }
 
+// e^r - 1 for |r| <= 0.35.
+GK_INLINE gk_f32 gk_exp_rest(gk_f32 r)
+{
+    return r + r * r *
+                   (0.5f +
+                    r * (0.166666672f +
+                         r * (0.0416662693f +
+                              r * (0.00833326578f + r * (0.00139461167f + r * 0.000199178743f)))));
+}
+
 // e^r 2^n for |r| <= 0.35, -151 <= n <= 129. The scale is applied in two steps, so that neither
 // factor over- or underflows before the result does.
 GK_INLINE gk_f32 gk_exp_scaled(gk_f32 r, gk_i32 n)
 {
-    const gk_f32 p =
-        1.0f +
-        (r +
-         r * r *
-             (0.5f + r * (0.166666672f +
-                          r * (0.0416662693f + r * (0.00833326578f +
-                                                    r * (0.00139461167f + r * 0.000199178743f))))));
+    const gk_f32 p = 1.0f + gk_exp_rest(r);
     const gk_i32 n0 = n >> 1;
     const gk_i32 n1 = n - n0;
     return p * gk_as_f32((gk_u32)(n0 + 127) << 23) * gk_as_f32((gk_u32)(n1 + 127) << 23);
@@ -144,20 +148,34 @@ GK_INLINE gk_f32 gk_exp2(gk_f32 x)
     return gk_select(gk_exp_scaled(r, n), x, x != x);
 }
 
-// x = 2^e (1 + f) with 1 + f in [sqrt(1/2), sqrt(2)); x > 0 and finite. Returns ln(1 + f).
-// ln(1 + f) = 2 atanh(s), s = f / (2 + f); the head f - f^2/2 is kept exact (as in fdlibm).
-GK_INLINE gk_f32 gk_log_reduced(gk_f32 x, gk_f32 *e)
+// ln(1 + f) for 1 + f in [sqrt(1/2), sqrt(2)): 2 atanh(s), s = f / (2 + f); the head f - f^2/2 is
+// kept exact (as in fdlibm).
+GK_INLINE gk_f32 gk_log_near_one(gk_f32 f)
 {
-    const gk_i32 tiny = x < 1.17549435e-38f; // denormal: no implicit bit to split off
-    const gk_u32 bits = gk_as_u32(gk_select(x, x * 8388608.0f, tiny)) - 0x3f3504f3u;
-    *e = (gk_f32)((gk_i32)bits >> 23) - gk_select(0.0f, 23.0f, tiny);
-    const gk_f32 f = gk_as_f32((bits & 0x007fffffu) + 0x3f3504f3u) - 1.0f;
     const gk_f32 s = f / (2.0f + f);
     const gk_f32 z = s * s;
     const gk_f32 tail =
         z * (0.666666627f + z * (0.400003344f + z * (0.285373032f + z * 0.235822871f)));
     const gk_f32 half_square = 0.5f * f * f;
     return f - (half_square - s * (half_square + tail));
+}
+
+// x = 2^e (1 + f) with 1 + f in [sqrt(1/2), sqrt(2)); x > 0 and finite. Returns f.
+GK_INLINE gk_f32 gk_log_split(gk_f32 x, gk_i32 *e)
+{
+    const gk_u32 bits = gk_as_u32(x) - 0x3f3504f3u;
+    *e = (gk_i32)bits >> 23;
+    return gk_as_f32((bits & 0x007fffffu) + 0x3f3504f3u) - 1.0f;
+}
+
+// ln(1 + f) of that, and e.
+GK_INLINE gk_f32 gk_log_reduced(gk_f32 x, gk_f32 *e)
+{
+    const gk_i32 tiny = x < 1.17549435e-38f; // denormal: no implicit bit to split off
+    gk_i32 exponent;
+    const gk_f32 f = gk_log_split(gk_select(x, x * 8388608.0f, tiny), &exponent);
+    *e = (gk_f32)exponent - gk_select(0.0f, 23.0f, tiny);
+    return gk_log_near_one(f);
 }
 
 // log of what gk_log_reduced() cannot take: 0 gives -inf, inf gives inf, negative and NaN give NaN.
@@ -175,20 +193,28 @@ GK_INLINE gk_f32 gk_log(gk_f32 x)
     return gk_log_limits(x, e * 0.693359375f + (e * -2.12194440e-4f + y));
 }
 
-// ln(1 + x) for x >= -1, 4 ulp, also where x is small: the rounding of 1 + x is divided out (Kahan).
+// ln(1 + x) for x >= -1, 3 ulp, also where x is small: up to 2^24 the reduced argument is taken from
+// x, without the rounding of 1 + x.
 GK_INLINE gk_f32 gk_log1p(gk_f32 x)
 {
-    const gk_f32 u = 1.0f + x, d = u - 1.0f;
-    const gk_f32 y = gk_log(u);
-    return d == 0.0f ? x : (y - y == 0.0f ? y * (x / d) : y);
+    const gk_f32 u = 1.0f + x;
+    gk_i32 e;
+    const gk_f32 rounded = gk_log_split(u, &e);
+    const gk_f32 scale = gk_as_f32((gk_u32)(127 - gk_min_i32(e, 24)) << 23);
+    const gk_f32 f = e > 24 ? rounded : (scale - 1.0f) + x * scale;
+    const gk_f32 k = (gk_f32)e;
+    return gk_log_limits(u, k * 0.693359375f + (k * -2.12194440e-4f + gk_log_near_one(f)));
 }
 
-// e^x - 1 for x <= 0, 4 ulp, also where x is small (Kahan). -inf gives -1.
+// e^x - 1 for x <= 0, 2 ulp, also where x is small. -inf gives -1.
 GK_INLINE gk_f32 gk_expm1(gk_f32 x)
 {
-    const gk_f32 u = gk_exp(x), d = u - 1.0f;
-    const gk_f32 y = gk_log(u);
-    return d == 0.0f ? x : (u > 0.1f ? d * (x / y) : d);
+    const gk_f32 c = gk_clamp(x, -20.0f, 0.0f); // -1 beyond
+    const gk_i32 n = (gk_i32)(c * 1.44269504f - 0.5f);
+    const gk_f32 k = (gk_f32)n;
+    const gk_f32 r = (c - k * 0.693359375f) - k * -2.12194440e-4f; // ln 2 in two parts
+    const gk_f32 scale = gk_as_f32((gk_u32)(n + 127) << 23);
+    return gk_select((scale - 1.0f) + scale * gk_exp_rest(r), x, x != x);
 }
 
 // 3 ulp; exact for powers of two.

@@ -52,8 +52,9 @@ GK_INLINE gk_f32 gk_transport_weight(const struct gk_transport *t,
 GK_INLINE gk_u32 gk_transport_class(const GK_GLOBAL struct gk_frame *frame,
                                     const struct gk_transport *t)
 {
-    const gk_f32 octave = gk_log2(gk_max(2.0f * t->cone.way, 1.0f));
-    const gk_i32 bin = (gk_i32)gk_min(octave, (gk_f32)(gk_i32)frame->matte_bins - 1.0f);
+    const gk_f32 half_metres = gk_max(2.0f * t->cone.way, 1.0f);
+    const gk_i32 octave = (gk_i32)(gk_as_u32(half_metres) >> 23) - 127; // floor of its log2
+    const gk_i32 bin = gk_min_i32(octave, (gk_i32)frame->matte_bins - 1);
     const gk_u32 bounced =
         gk_matte_flag(frame, GK_MATTES_CLASSES) && (t->waits & GK_WAITS_CROSSED) != 0u ? 2u : 1u;
     return frame->matte_bins > 0u ? 1u + (gk_u32)bin : bounced;
@@ -162,20 +163,30 @@ GK_INLINE gk_f32 gk_side_probability(const struct gk_vertex *x, gk_i32 crosses)
 #endif
 }
 
+// v^2 of the vertex that the path leaves by `next`; through deltas alone, anything above 0 serves.
+GK_INLINE gk_f32 gk_transport_variance(const struct gk_vertex *x, const struct gk_next *next)
+{
+#ifdef GK_GLOSSY_MATTES
+    const gk_f32 side = gk_max(gk_side_probability(x, next->crosses), 1e-20f);
+    const gk_f32 v2 = gk_lobe_variance(next->pdf, side);
+#else
+    (void)x;
+    const gk_f32 v2 = GK_INFINITY;
+#endif
+    return next->pdf < 0.0f ? 0.0f : v2;
+}
+
 // Slope of the cone beyond the vertex.
 GK_INLINE gk_f32 gk_transport_slope(const struct gk_transport *t, const struct gk_resident *scene,
                                     const struct gk_vertex *x, gk_i32 crosses)
 {
-    const gk_f32 curvature = gk_hit_curvature(scene, &x->hit);
-    const gk_f32 back = gk_cone_reflected(t->cone.r, t->cone.g, curvature, x->wo.z);
 #ifdef GK_TRANSMISSION
-    const gk_f32 eta = x->surface.thin ? 1.0f : 1.0f / x->surface.eta;
-    const gk_f32 on = gk_cone_refracted(t->cone.r, t->cone.g, curvature, eta);
-    return crosses ? on : back;
+    const gk_f32 eta = x->surface.thin ? 1.0f : x->surface.eta;
 #else
-    (void)crosses;
-    return back;
+    const gk_f32 eta = 1.0f;
 #endif
+    return gk_cone_bent(t->cone.r, t->cone.g, gk_hit_curvature(scene, &x->hit), x->wo.z, eta,
+                        crosses);
 }
 
 // The path leaves the vertex by `next`, or ends. scale: 1/q.
@@ -183,8 +194,7 @@ GK_INLINE void gk_transport_leave(struct gk_transport *t, const GK_GLOBAL struct
                                   const struct gk_resident *scene, const struct gk_vertex *x,
                                   const struct gk_next *next, gk_f32 scale, gk_i32 alive)
 {
-    const gk_f32 side = gk_max(gk_side_probability(x, next->crosses), 1e-20f);
-    const gk_f32 v2 = next->pdf < 0.0f ? 0.0f : gk_lobe_variance(next->pdf / side);
+    const gk_f32 v2 = gk_transport_variance(x, next);
     const gk_i32 turns = alive && !x->passes;
     const gk_i32 glossy = gk_matte_flag(frame, GK_MATTES_GLOSSY);
     const gk_i32 spread = glossy ? !(v2 < GK_INFINITY) && frame->matte_alpha > 0.0f : v2 > 0.0f;

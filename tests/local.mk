@@ -191,8 +191,7 @@ tests_bench_effects_SOURCES = tests/bench/effects.c tests/bench/bench.c tests/be
 EXTRA_PROGRAMS += tests/bench/stages
 bench_waves = tests/bench/bench.c tests/bench/bench.h tests/bench/waves.c tests/bench/waves.h \
 	$(offline)
-tests_bench_embree_share_SOURCES = tests/bench/embree_share.c tests/bench/bench.c \
-	tests/bench/bench.h $(offline)
+tests_bench_embree_share_SOURCES = tests/bench/embree_share.c $(bench_waves)
 tests_bench_embree_share_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_geometry_trace_wave \
 	-Wl,--wrap=glint_geometry_shadow_wave
 tests_bench_exr_tile_LDADD = $(PROTOCOL_LIBS)

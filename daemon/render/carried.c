@@ -20,8 +20,8 @@ static uint32_t salt_of(const struct glint_run *r, uint32_t lane)
     return gk_mix32(place ^ gk_mix32(b->sample + gk_mix32(r->bounce)));
 }
 
-glint_status glint_run_deposit_seen(struct glint_run *r, const struct glint_film_tile *at,
-                                    uint32_t n, uint32_t lane)
+glint_status glint_run_deposit_pixels(struct glint_run *r, const char *kernel,
+                                      const struct glint_film_tile *at, uint32_t n, uint32_t lane)
 {
     const uint32_t stride = GLINT_WAVE_STRIDE, step = 1u << r->pixels_log2;
     const uint32_t samples = r->block->samples, salt = salt_of(r, lane);
@@ -36,10 +36,10 @@ glint_status glint_run_deposit_seen(struct glint_run *r, const struct glint_film
                                      GLINT_ARG_VALUE(r->job->matte_slots),
                                      GLINT_ARG_VALUE(r->job->matte_policy),
                                      GLINT_ARG_VALUE(salt)};
-    return glint_run_launch(r, "deposit_coverage", n, args, sizeof args / sizeof *args);
+    return glint_run_launch(r, kernel, n, args, sizeof args / sizeof *args);
 }
 
-glint_status glint_run_deposit_carried(struct glint_run *r, glint_buffer *tables, uint32_t n)
+glint_status glint_run_deposit_paths(struct glint_run *r, glint_buffer *tables, uint32_t n)
 {
     const uint32_t stride = GLINT_WAVE_STRIDE, pixels = 1u << r->pixels_log2;
     const uint32_t salt = salt_of(r, 0);
@@ -107,8 +107,20 @@ static void count_excess(struct glint_run *r)
 {
     const uint32_t *excess = (const uint32_t *)glint_buffer_host(r->wave->columns) +
                              (size_t)GK_COL_EXCESS * GLINT_WAVE_STRIDE;
+    uint64_t sum = 0;
     for (uint32_t i = 0; i < r->holding; i++)
-        r->clamped += excess[i];
+        sum += excess[i];
+    r->clamped += sum;
+}
+
+static glint_status deposit_first(struct glint_run *r, const struct glint_film_tile *at,
+                                  uint32_t tile_in_block)
+{
+    (void)at;
+    const struct glint_film_tile copy = {
+        .tables = r->wave->tables, .tables_offset = (uint32_t)(tile_in_block * table_bytes(r) / 8)};
+    return glint_run_deposit_pixels(r, "deposit_first", &copy, GK_TILE_PIXELS,
+                                    tile_in_block * GK_TILE_PIXELS);
 }
 
 glint_status glint_carried_forget(struct glint_run *r, glint_buffer *list, uint32_t n)
@@ -124,11 +136,13 @@ glint_status glint_carried_deposit(struct glint_run *r)
 {
     if (r->holding == 0)
         return GLINT_OK;
+    const bool whole = r->bounce == 0 && r->holding == r->lanes;
     glint_status st = GLINT_OK;
     if (r->job->matte_rows)
         st = glint_carried_forget(r, r->wave->met, r->holding);
     if (!st)
-        st = glint_run_deposit_carried(r, r->wave->tables, r->holding);
+        st = whole ? glint_run_tiles(r, deposit_first)
+                   : glint_run_deposit_paths(r, r->wave->tables, r->holding);
     count_excess(r);
     glint_run_charge(r, GLINT_PASS_CARRIED);
     return st;

@@ -225,7 +225,7 @@ static glint_status accumulate_tile(struct glint_run *r, const struct glint_film
         st = accumulate_sample(r, at, GK_TILE_PIXELS, (s << r->pixels_log2) + first,
                                r->block->sample + s);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_COVERAGE)) {
-        st = glint_run_deposit_seen(r, at, GK_TILE_PIXELS, first);
+        st = glint_run_deposit_pixels(r, "deposit_coverage", at, GK_TILE_PIXELS, first);
         glint_run_charge(r, GLINT_PASS_COVERAGE);
     }
     return st;
@@ -294,9 +294,11 @@ static glint_status launch_all(struct glint_run *r)
     if (!st)
         st = accumulate_sample(r, &nowhere, 0, 0, 0);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_COVERAGE))
-        st = glint_run_deposit_seen(r, &nowhere, 0, 0);
+        st = glint_run_deposit_pixels(r, "deposit_coverage", &nowhere, 0, 0);
     if (!st && r->job->matte_through)
-        st = glint_run_deposit_carried(r, r->wave->columns, 0);
+        st = glint_run_deposit_pixels(r, "deposit_first", &nowhere, 0, 0);
+    if (!st && r->job->matte_through)
+        st = glint_run_deposit_paths(r, r->wave->columns, 0);
     if (!st && r->job->matte_rows)
         st = glint_carried_forget(r, r->wave->columns, 0);
     return st;

@@ -67,9 +67,10 @@ uint64_t glint_run_lost(struct glint_run *run);
 // Takes from the deposits of the first n paths what each of these has met before.
 glint_status glint_carried_forget(struct glint_run *run, glint_buffer *list, uint32_t n);
 
-// The kernels that deposit, over `n` pixels of one tile whose first lane is `lane`, or `n` paths.
-glint_status glint_run_deposit_seen(struct glint_run *run, const struct glint_film_tile *at,
-                                    uint32_t n, uint32_t lane);
-glint_status glint_run_deposit_carried(struct glint_run *run, glint_buffer *tables, uint32_t n);
+// The kernels that deposit: over `n` pixels of one tile whose first lane is `lane`, all their samples,
+// or over the first `n` paths.
+glint_status glint_run_deposit_pixels(struct glint_run *run, const char *kernel,
+                                      const struct glint_film_tile *at, uint32_t n, uint32_t lane);
+glint_status glint_run_deposit_paths(struct glint_run *run, glint_buffer *tables, uint32_t n);
 
 #endif

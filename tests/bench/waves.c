@@ -8,8 +8,13 @@ void bench_waves_spread(struct glint_slice slice[BENCH_WAVES], uint32_t tiles_wi
     const uint32_t tiles = tiles_wide * tiles_high;
     for (uint32_t s = 0; s < BENCH_WAVES; s++) {
         const uint32_t tile = (s * 341 + 170) % tiles;
-        slice[s] = (struct glint_slice){
-            tile, tile % tiles_wide * 16, tile / tiles_wide * 16, 16, 16, 16, 16, 0};
+        slice[s] = (struct glint_slice){.block = tile,
+                                        .x = tile % tiles_wide * 16,
+                                        .y = tile / tiles_wide * 16,
+                                        .w = 16,
+                                        .h = 16,
+                                        .sample = 16,
+                                        .samples = 16};
     }
 }
 

@@ -39,18 +39,18 @@ static void the_variance_of_a_lobe_is_that_of_the_printed_form(void **state)
         const double bound = 16.0 * 0x1p-24 * (1.0 + 2.0 * e / (1.0 - e));
         const double exact =
             e < 1e-3 ? e * (2.0 - e) / (2.0 * (1.0 - e) * (1.0 - e)) : tangent2 / 2.0;
-        assert_within(gk_lobe_variance((float)p) / exact - 1.0, bound);
+        assert_within(gk_lobe_variance((float)p, 1.0f) / exact - 1.0, bound);
     }
 }
 
 static void the_variance_of_a_lobe_has_its_limits(void **state)
 {
     (void)state;
-    assert_true(gk_lobe_variance(INFINITY) == 0.0f);
-    assert_within(gk_lobe_variance((float)(1.0 / M_PI)) - 1.5, 1e-6);
-    assert_true(gk_lobe_variance(0.159f) == INFINITY);
-    assert_true(gk_lobe_variance(1e-30f) == INFINITY);
-    assert_true(gk_lobe_variance(3e38f) < 1e-38f);
+    assert_true(gk_lobe_variance(INFINITY, 1.0f) == 0.0f);
+    assert_within(gk_lobe_variance((float)(1.0 / M_PI), 1.0f) - 1.5, 1e-6);
+    assert_true(gk_lobe_variance(0.159f, 1.0f) == INFINITY);
+    assert_true(gk_lobe_variance(1e-30f, 1.0f) == INFINITY);
+    assert_true(gk_lobe_variance(3e38f, 1.0f) < 1e-38f);
 }
 
 struct path {
@@ -208,11 +208,11 @@ static void a_cone_reflects_as_a_convex_mirror_does(void **state)
 {
     (void)state;
     struct gk_cone c = {0.01f, 0.0f, 0.0f}, hollow = c;
-    c.g = gk_cone_reflected(c.r, c.g, 2.0f, 1.0f); // radius 1/2: focal length 1/4
+    c.g = gk_cone_bent(c.r, c.g, 2.0f, 1.0f, 1.0f, 0); // radius 1/2: focal length 1/4
     assert_within(c.g - 0.04, 1e-8);
     gk_cone_advance(&c, 1.0f);
     assert_within(c.r - 0.05, 1e-8);
-    hollow.g = gk_cone_reflected(hollow.r, hollow.g, -2.0f, 1.0f);
+    hollow.g = gk_cone_bent(hollow.r, hollow.g, -2.0f, 1.0f, 1.0f, 0);
     gk_cone_advance(&hollow, 0.5f); // through its focus: the sign turns
     assert_within(hollow.r + 0.01, 1e-8);
 }
@@ -233,10 +233,10 @@ static void a_cone_refracts_as_one_face_of_a_lens_does(void **state)
 {
     (void)state;
     struct gk_cone c = {0.01f, 0.0f, 0.0f};
-    c.g = gk_cone_refracted(c.r, c.g, 1.0f, 1.0f / 1.5f);
+    c.g = gk_cone_bent(c.r, c.g, 1.0f, 1.0f, 1.5f, 1);
     gk_cone_advance(&c, 3.0f);
     assert_within(c.r, 1e-8);
-    assert_within(gk_cone_refracted(0.01f, 0.3f, 0.0f, 1.0f / 1.5f) - 0.2, 1e-7);
+    assert_within(gk_cone_bent(0.01f, 0.3f, 0.0f, 1.0f, 1.5f, 1) - 0.2, 1e-7);
 }
 
 static void what_goes_on_is_never_more_than_there_is(void **state)
