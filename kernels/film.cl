@@ -26,6 +26,23 @@ __kernel void accumulate_colour(const __global float *restrict wave, const gk_u3
     rejected[i] += sound ? 0u : 1u;
 }
 
+// The same radiance into the sums of a batch, from `offset` words on.
+__kernel void accumulate_batch(const __global float *restrict wave, const gk_u32 stride,
+                               const gk_u32 n, const gk_u32 lane, __global float *restrict film,
+                               const gk_u32 offset)
+{
+    const gk_u32 i = (gk_u32)get_global_id(0);
+    if (i >= n)
+        return;
+    const gk_f32 r = GK_LOAD(GK_COL_LR, lane + i), g = GK_LOAD(GK_COL_LG, lane + i),
+                 b = GK_LOAD(GK_COL_LB, lane + i);
+    const gk_i32 finite = gk_isfinite(r) && gk_isfinite(g) && gk_isfinite(b);
+    __global float *batch = film + offset;
+    gk_film_add(batch, i, finite ? r : 0.0f);
+    gk_film_add(batch + GK_SUM_PLANES * GK_TILE_PIXELS, i, finite ? g : 0.0f);
+    gk_film_add(batch + 2 * GK_SUM_PLANES * GK_TILE_PIXELS, i, finite ? b : 0.0f);
+}
+
 #ifdef GK_AOVS
 GK_INLINE void add_unit(__global gk_u32 *sum, const gk_u32 i, const gk_f32 x)
 {

@@ -10,8 +10,8 @@
 // Which sample of which pixel a lane is.
 struct gk_lane {
     gk_u32 x, y;  // pixel in the display window
-    gk_u32 base;  // gk_sampler_base of the pixel and half
-    gk_u32 index; // of the sample in its half
+    gk_u32 base;  // gk_sampler_base of the pixel and part
+    gk_u32 index; // of the sample in its part
 };
 
 GK_INLINE struct gk_lane gk_lane_at(const GK_GLOBAL struct gk_wave_rect *rect, gk_u32 lane,
@@ -25,8 +25,8 @@ GK_INLINE struct gk_lane gk_lane_at(const GK_GLOBAL struct gk_wave_rect *rect, g
     struct gk_lane l;
     l.x = rect->x + (((column << 4) + (pixel & 15u)) << rect->spread_log2);
     l.y = rect->y + (((row << 4) + ((pixel >> 4) & 15u)) << rect->spread_log2);
-    l.base = gk_sampler_base(l.x, l.y, seed, sample & 1u);
-    l.index = sample >> 1;
+    l.base = gk_sampler_base(l.x, l.y, seed, sample & ((1u << rect->parts_log2) - 1u));
+    l.index = sample >> rect->parts_log2;
     return l;
 }
 

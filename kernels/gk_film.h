@@ -36,6 +36,10 @@
 // Red of a sample that could not be followed through nested solids; light itself is never that.
 #define GK_RADIANCE_NESTED (-GK_INFINITY)
 
+// With batches, after all those: [batch][r, g, b] sums of radiance.
+#define GK_BATCHES 16
+#define GK_PLANES_BATCHES 144
+
 #define GK_SUM_LARGEST 0x1p100f
 #define GK_SUM_LEAST 0x1p-100f
 

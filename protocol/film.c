@@ -16,9 +16,15 @@ uint32_t glint_film_info_rows(const struct glint_film_info *info)
 
 size_t glint_film_info_plane_bytes(const struct glint_film_info *info)
 {
+    const size_t batches = info->batches ? GK_PLANES_BATCHES * GK_TILE_PIXELS : 0;
+    return (glint_film_info_batch_words(info) + batches) * 4;
+}
+
+size_t glint_film_info_batch_words(const struct glint_film_info *info)
+{
     const size_t planes =
         GK_PLANES_BASE + (info->aovs ? GK_PLANES_AOV : 0) + (info->flow ? GK_PLANES_FLOW : 0);
-    return planes * GK_TILE_PIXELS * 4;
+    return planes * GK_TILE_PIXELS;
 }
 
 size_t glint_film_info_table_bytes(const struct glint_film_info *info)
@@ -43,16 +49,33 @@ bool glint_film_info_wide(const struct glint_film_info *info)
 
 uint32_t glint_film_half(uint32_t first, uint32_t samples, uint32_t half)
 {
-    return (first + samples + 1 - half) / 2 - (first + 1 - half) / 2;
+    return glint_film_part(first, samples, 2, half);
+}
+
+uint32_t glint_film_part(uint32_t first, uint32_t samples, uint32_t parts, uint32_t part)
+{
+    const uint32_t more = parts - 1 - part;
+    return (first + samples + more) / parts - (first + more) / parts;
+}
+
+static float mean_of(const float *sum, bool wide, uint32_t i, uint32_t n)
+{
+    const double total =
+        wide ? ((const double *)(const void *)sum)[i]
+             : (double)sum[i] + ((double)sum[i + GK_TILE_PIXELS] + sum[i + 2 * GK_TILE_PIXELS]);
+    return n ? (float)(total / n) : 0.0f;
 }
 
 float glint_film_mean(const float *planes, bool wide, uint32_t half, uint32_t channel, uint32_t i,
                       uint32_t n)
 {
-    const float *sum =
-        planes + (GK_PLANE_COLOUR + (half * 3 + channel) * GK_SUM_PLANES) * GK_TILE_PIXELS;
-    const double total =
-        wide ? ((const double *)(const void *)sum)[i]
-             : (double)sum[i] + ((double)sum[i + GK_TILE_PIXELS] + sum[i + 2 * GK_TILE_PIXELS]);
-    return n ? (float)(total / n) : 0.0f;
+    const uint32_t plane = GK_PLANE_COLOUR + (half * 3 + channel) * GK_SUM_PLANES;
+    return mean_of(planes + plane * GK_TILE_PIXELS, wide, i, n);
+}
+
+float glint_film_batch_mean(const float *batches, bool wide, uint32_t batch, uint32_t channel,
+                            uint32_t i, uint32_t n)
+{
+    const uint32_t plane = (batch * 3 + channel) * GK_SUM_PLANES;
+    return mean_of(batches + plane * GK_TILE_PIXELS, wide, i, n);
 }

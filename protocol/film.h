@@ -20,11 +20,11 @@ struct glint_matte_key {
 
 // What all tiles share; immutable.
 struct glint_film_info {
-    const struct glint_job *job; // camera and scene as they were asked for
-    bool aovs, flow, coverage;   // planes and tables that there are
-    const char *software;        // that took the samples
-    const char *revision;        // of the scene
-    float to_camera[16];         // worldToCamera and worldToNDC of the frame, row-major
+    const struct glint_job *job;        // camera and scene as they were asked for
+    bool aovs, flow, batches, coverage; // planes and tables that there are
+    const char *software;               // that took the samples
+    const char *revision;               // of the scene
+    float to_camera[16];                // worldToCamera and worldToNDC of the frame, row-major
     float to_ndc[16];
     uint32_t mattes; // keys; 0 is no key, 1 the background
     const struct glint_matte_key *matte;
@@ -62,6 +62,16 @@ struct glint_film_source {
 
 // Of the samples [first, first + samples): those with even indices, half 0, or odd ones, half 1.
 uint32_t glint_film_half(uint32_t first, uint32_t samples, uint32_t half);
+
+// Likewise those whose index is `part` modulo `parts`.
+uint32_t glint_film_part(uint32_t first, uint32_t samples, uint32_t parts, uint32_t part);
+
+// Words of a tile's planes before its batches, which are there with info->batches.
+size_t glint_film_info_batch_words(const struct glint_film_info *info);
+
+// Of pixel i: mean radiance of a batch that has n samples; `batches`: the planes from there on.
+float glint_film_batch_mean(const float *batches, bool wide, uint32_t batch, uint32_t channel,
+                            uint32_t i, uint32_t n);
 
 // Of pixel i of a tile: mean radiance of a half that has n samples, 0 where it has none.
 float glint_film_mean(const float *planes, bool wide, uint32_t half, uint32_t channel, uint32_t i,

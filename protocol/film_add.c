@@ -41,6 +41,11 @@ void glint_film_add_planes(const struct glint_film_info *info, float *to, uint32
     const uint32_t *more = (const uint32_t *)from;
     for (int p = GK_PLANE_HITS; p <= GK_PLANE_REJECTED; p++)
         count[p * GK_TILE_PIXELS + (int)i] += more[p * GK_TILE_PIXELS + (int)j];
+    const size_t batches = glint_film_info_batch_words(info);
+    for (size_t s = 0; info->batches && s < 3 * GK_BATCHES; s++) {
+        const size_t plane = batches + s * GK_SUM_PLANES * GK_TILE_PIXELS;
+        (glint_film_info_wide(info) ? add_wide : add_exact)(to + plane, i, from + plane, j);
+    }
     if (!info->aovs)
         return;
     float *depth = to + (GK_PLANES_BASE + GK_AOV_DEPTH) * GK_TILE_PIXELS + i;

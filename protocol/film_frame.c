@@ -82,6 +82,7 @@ struct at {
     uint32_t i;            // pixel of the tile
     uint32_t half[2];      // its samples
     uint32_t samples;      // both, > 0
+    bool in_one_run;       // they follow one another from the job's first on
     size_t out;            // pixel of the frame
 };
 
@@ -89,6 +90,24 @@ struct at {
 static float square(double x)
 {
     return (float)fmin(x * x, FLT_MAX);
+}
+
+// Of the mean, of the batches where each has a sample.
+static float variance(const struct at *a, uint32_t c, double ma, double mb)
+{
+    const bool wide = glint_film_info_wide(a->info);
+    const float *batches = a->plane + glint_film_info_batch_words(a->info);
+    const double mean = (ma * a->half[0] + mb * a->half[1]) / a->samples;
+    double sum = 0.0;
+    if (!a->info->batches || !a->in_one_run || a->samples < GK_BATCHES)
+        return a->half[0] && a->half[1] ? square(0.5 * (ma - mb)) : 0.0f;
+    for (uint32_t k = 0; k < GK_BATCHES; k++) {
+        const uint32_t n =
+            glint_film_part(a->info->job->sample_range[0], a->samples, GK_BATCHES, k);
+        const double d = glint_film_batch_mean(batches, wide, k, c, a->i, n) - mean;
+        sum += n * d * d;
+    }
+    return (float)fmin(sum / ((GK_BATCHES - 1.0) * a->samples), FLT_MAX);
 }
 
 static void resolve_colour(const struct at *a, const struct planes *p)
@@ -101,7 +120,7 @@ static void resolve_colour(const struct at *a, const struct planes *p)
         if (p->rgba[0])
             p->rgba[c][a->out] = (float)((ma * a->half[0] + mb * a->half[1]) / a->samples);
         if (p->variance[0])
-            p->variance[c][a->out] = a->half[0] && a->half[1] ? square(0.5 * (ma - mb)) : 0.0f;
+            p->variance[c][a->out] = variance(a, c, ma, mb);
     }
     if (p->rgba[0])
         p->rgba[3][a->out] = (float)((double)hits[a->i] / a->samples);
@@ -198,7 +217,8 @@ static void resolve_tile(struct making *m, uint32_t tile, const struct glint_fil
     const uint32_t columns = glint_film_info_columns(info), *region = info->job->region;
     const int64_t x0 = (int64_t)region[0] + tile % columns * GK_TILE_SIDE - m->frame->x;
     const int64_t y0 = (int64_t)region[1] + tile / columns * GK_TILE_SIDE - m->frame->y;
-    struct at a = {.info = info, .plane = from->planes};
+    struct at a = {
+        .info = info, .plane = from->planes, .in_one_run = !from->each || m->source->complete};
     for (uint32_t i = 0; i < GK_TILE_PIXELS; i++) {
         const int64_t x = x0 + i % GK_TILE_SIDE, y = y0 + i / GK_TILE_SIDE;
         a.i = i;

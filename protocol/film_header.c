@@ -18,6 +18,7 @@
 static const struct glint_field plane_fields[] = {
     GLINT_FIELD(BOOL, struct glint_film_info, aovs),
     GLINT_FIELD(BOOL, struct glint_film_info, flow),
+    GLINT_FIELD(BOOL, struct glint_film_info, batches),
     GLINT_FIELD(BOOL, struct glint_film_info, coverage),
     {0},
 };
@@ -328,7 +329,8 @@ static void read_planes(const struct glint_json *root, struct glint_film_header 
     const uint32_t outputs = h->job ? h->job->outputs : 0;
     const uint32_t aovs = GLINT_OUT_DEPTH | GLINT_OUT_NORMAL | GLINT_OUT_ALBEDO | GLINT_OUT_MOTION;
     if ((outputs & aovs && !info->aovs) || (outputs & GLINT_OUT_MOTION && !info->flow) ||
-        (info->flow && !info->aovs) || (outputs & GLINT_OUT_CRYPTO && !info->coverage))
+        (info->flow && !info->aovs) ||
+        (h->job && h->job->estimate == GLINT_ESTIMATE_BATCHES && !info->batches) || (outputs & GLINT_OUT_CRYPTO && !info->coverage))
         glint_json_fault(&at, "the job's outputs need more");
 }
 

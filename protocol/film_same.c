@@ -92,7 +92,8 @@ glint_status glint_film_same(const struct glint_film_info *a, const struct glint
     if (parts && strcmp(a->software, b->software))
         st = glint_fail(err, GLINT_E_RANGE, "/software", "\"%s\" of %s is not \"%s\"", b->software,
                         who, a->software);
-    if (a->aovs != b->aovs || a->flow != b->flow || a->coverage != b->coverage)
+    if (a->batches != b->batches || a->aovs != b->aovs || a->flow != b->flow ||
+        a->coverage != b->coverage)
         st = glint_fail(err, GLINT_E_RANGE, "/planes", "%s has others", who);
     if (memcmp(a->to_camera, b->to_camera, sizeof a->to_camera) ||
         memcmp(a->to_ndc, b->to_ndc, sizeof a->to_ndc))

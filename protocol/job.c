@@ -22,6 +22,7 @@ static const struct {
 };
 
 static const char *const filters[] = {"box", "blackman_harris", NULL};
+static const char *const estimates[] = {"halves", "batches", NULL};
 const float glint_filter_widths[] = {[GLINT_FILTER_BOX] = 1, [GLINT_FILTER_BLACKMAN_HARRIS] = 1.5f};
 
 const struct glint_field glint_job_fields[] = {
@@ -41,6 +42,10 @@ const struct glint_field glint_job_fields[] = {
     GLINT_FIELD(FLOAT, struct glint_job, shutter, .count = 2, .low = -16, .high = 16),
     GLINT_FIELD(STRING, struct glint_job, animation),
     GLINT_FIELD(BOOL, struct glint_job, live),
+    {.name = "estimate",
+     .kind = GLINT_FIELD_CHOICE,
+     .offset = offsetof(struct glint_job, estimate),
+     .choices = estimates},
     GLINT_FIELD(UINT, struct glint_job, max_bounces, .high = 1024),
     GLINT_FIELD(UINT, struct glint_job, seed, .high = UINT32_MAX),
     GLINT_FIELD(INT, struct glint_job, priority, .low = -100, .high = 100),

@@ -36,6 +36,9 @@ enum glint_output {
 uint32_t glint_output_from_name(const char *name);
 const char *glint_output_name(uint32_t bit);
 
+// What a job's own error is estimated from: two halves of the samples, or 16 batches of them.
+enum glint_estimate_kind { GLINT_ESTIMATE_HALVES, GLINT_ESTIMATE_BATCHES };
+
 enum glint_filter_kind { GLINT_FILTER_BOX, GLINT_FILTER_BLACKMAN_HARRIS };
 
 struct glint_job_stop {
@@ -79,7 +82,8 @@ struct glint_job {
     float fps;            // frames per second, 0: the scene's
     float shutter[2];     // opens and closes, in frames from `frame` on; -16..16, default 0 0
     char *animation;      // id or name; NULL: the scene's first; "none": the scene at rest
-    bool live;            // follows the scene's revisions and camera moves
+    enum glint_estimate_kind estimate;
+    bool live; // follows the scene's revisions and camera moves
     uint32_t seed;
     // First index and the one after the last, where only these of a frame's samples are wanted:
     // stop.samples is their number. Both 0: all from the first on, until it stops.

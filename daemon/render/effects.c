@@ -15,6 +15,7 @@ const char *const glint_pass_name[GLINT_PASSES] = {
     [GLINT_PASS_UNOCCLUDED] = "add unoccluded light",
     [GLINT_PASS_COMPACT] = "compact survivors",
     [GLINT_PASS_COLOUR] = "accumulate colour",
+    [GLINT_PASS_BATCHES] = "accumulate batches",
     [GLINT_PASS_AOVS] = "accumulate AOVs",
     [GLINT_PASS_CARRIED] = "deposit carried coverage",
     [GLINT_PASS_COVERAGE] = "deposit ID coverage",
@@ -134,6 +135,17 @@ static bool calls_light_grid(const struct glint_effect_input *in)
 static bool calls_float64(const struct glint_effect_input *in)
 {
     return in->job->dial[GLINT_DIAL_PRECISION] == 0;
+}
+
+static bool calls_batches(const struct glint_effect_input *in)
+{
+    return in->job->estimate == GLINT_ESTIMATE_BATCHES;
+}
+
+static size_t batch_bytes(const struct glint_job *job, const struct glint_scene_facts *facts)
+{
+    (void)job, (void)facts;
+    return GK_PLANES_BATCHES * 4;
 }
 
 static size_t aov_bytes(const struct glint_job *job, const struct glint_scene_facts *facts)
@@ -397,6 +409,13 @@ const struct glint_effect glint_effect_table[] = {
      .called = calls_flow,
      .film_bytes = flow_bytes,
      .tables = TABLE(FLOWS)},
+    {.name = "batch sums",
+     .cause = "estimate batches",
+     .source = "ACCURACY 5",
+     .dial = NO_DIAL,
+     .passes = PASS(BATCHES),
+     .called = calls_batches,
+     .film_bytes = batch_bytes},
     {.name = "ID coverage",
      .cause = "a Cryptomatte output",
      .source = "Cryptomatte 1.2.0; Yoshimura et al. 2022, Alg. 1",

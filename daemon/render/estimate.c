@@ -13,26 +13,54 @@
 // ---- a tile
 
 struct pixel {
-    double a[3], b[3];
+    double a[3], b[3]; // means of the halves
+    double m[3], v[3]; // of both, and its variance
 };
+
+static double square(double x)
+{
+    return x * x;
+}
 
 static double largest(const double c[3])
 {
     return fmax(fmax(c[0], fmax(c[1], c[2])), 0.0);
 }
 
-static void load(struct pixel *p, const float *planes, bool wide, const uint32_t half[2],
-                 uint32_t i)
+// The share of half A times that of half B.
+static double weight_of(const struct glint_estimate_source *in)
 {
+    const double share = (double)glint_film_half(in->first, in->samples, 0) / in->samples;
+    return share * (1.0 - share);
+}
+
+static void load_halves(struct pixel *p, const struct glint_estimate_source *in, uint32_t i)
+{
+    const uint32_t na = glint_film_half(in->first, in->samples, 0), nb = in->samples - na;
     for (uint32_t c = 0; c < 3; c++) {
-        p->a[c] = glint_film_mean(planes, wide, 0, c, i, half[0]);
-        p->b[c] = glint_film_mean(planes, wide, 1, c, i, half[1]);
+        p->a[c] = glint_film_mean(in->planes, in->wide, 0, c, i, na);
+        p->b[c] = glint_film_mean(in->planes, in->wide, 1, c, i, nb);
+        p->m[c] = (na * p->a[c] + nb * p->b[c]) / in->samples;
+        p->v[c] = weight_of(in) * square(p->a[c] - p->b[c]);
     }
 }
 
-static double square(double x)
+static double variance_of_batches(const struct glint_estimate_source *in, uint32_t c, uint32_t i,
+                                  double mean)
 {
-    return x * x;
+    double sum = 0.0;
+    for (uint32_t k = 0; k < GK_BATCHES; k++) {
+        const uint32_t n = glint_film_part(in->first, in->samples, GK_BATCHES, k);
+        sum += n * square(glint_film_batch_mean(in->batches, in->wide, k, c, i, n) - mean);
+    }
+    return sum / ((GK_BATCHES - 1.0) * in->samples);
+}
+
+static void load(struct pixel *p, const struct glint_estimate_source *in, uint32_t i)
+{
+    load_halves(p, in, i);
+    for (uint32_t c = 0; in->batches && in->samples >= GK_BATCHES && c < 3; c++)
+        p->v[c] = variance_of_batches(in, c, i, p->m[c]);
 }
 
 static void count_tail(struct glint_tile_estimate *out, double v)
@@ -43,17 +71,13 @@ static void count_tail(struct glint_tile_estimate *out, double v)
 }
 
 // Adds a pixel; its relative variance.
-static double add_pixel(struct glint_tile_estimate *out, const struct pixel *p,
-                        const uint32_t half[2])
+static double add_pixel(struct glint_tile_estimate *out, const struct pixel *p, double weight)
 {
-    const double n = (double)half[0] + half[1], share = half[0] / n, weight = share * half[1] / n;
     const double ta = 1.0 / (1.0 + largest(p->a)), tb = 1.0 / (1.0 + largest(p->b));
     double relative = 0.0, linear = 0.0;
     for (int c = 0; c < 3; c++) {
-        const double m = p->a[c] * share + p->b[c] * (1.0 - share);
-        const double v = weight * square(p->a[c] - p->b[c]);
-        relative += v / (m * m + DARK);
-        linear += v;
+        relative += p->v[c] / (square(p->m[c]) + DARK);
+        linear += p->v[c];
         out->tone += weight * square(p->a[c] * ta - p->b[c] * tb);
     }
     out->relative += relative;
@@ -63,16 +87,16 @@ static double add_pixel(struct glint_tile_estimate *out, const struct pixel *p,
     return relative;
 }
 
-void glint_estimate_tile(struct glint_tile_estimate *out, const float *planes, bool wide,
-                         const uint32_t half[2], uint32_t w, uint32_t h)
+void glint_estimate_tile(struct glint_tile_estimate *out, const struct glint_estimate_source *in,
+                         uint32_t w, uint32_t h)
 {
     struct pixel p;
     memset(out, 0, sizeof *out);
     for (uint32_t y = 0; y < h; y++) {
         double left = 0.0;
         for (uint32_t x = 0; x < w; x++) {
-            load(&p, planes, wide, half, y * GK_TILE_SIDE + x);
-            const double v = add_pixel(out, &p, half);
+            load(&p, in, y * GK_TILE_SIDE + x);
+            const double v = add_pixel(out, &p, weight_of(in));
             if (x % 2)
                 out->spread += square(v - left);
             else if (x + 1 == w)

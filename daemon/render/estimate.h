@@ -1,7 +1,9 @@
-// estimate.h - the job's own error, from the difference of its two independent halves.
+// estimate.h - the job's own error, from the difference of its two independent halves, or of its
+// sixteen batches.
 //
 // Source: ACCURACY 5. With n = nA + nB samples, v = (A - B)^2 nA nB / n^2 is an unbiased estimate
-// of the variance of a pixel's mean: (A - B)^2 / 4 for halves of one size. How far the sum of v may
+// of the variance of a pixel's mean: (A - B)^2 / 4 for halves of one size. So is, of K batches,
+// v = sum of n_k (m_k - m)^2 / ((K - 1) n), once each has a sample. How far the sum of v may
 // be off is taken from neighbouring pixels: (v - v')^2 estimates the variance of v + v' where both
 // are alike, whatever the kurtosis of their noise, and more where they are not.
 #ifndef GLINT_RENDER_ESTIMATE_H
@@ -33,9 +35,17 @@ struct glint_film_estimate {
     double spread[GLINT_ESTIMATE_CELLS * GLINT_ESTIMATE_CELLS];
 };
 
-// Of the pixels 0 <= x < w, 0 <= y < h of a tile. half: samples of the halves, both > 0.
-void glint_estimate_tile(struct glint_tile_estimate *out, const float *planes, bool wide,
-                         const uint32_t half[2], uint32_t w, uint32_t h);
+// A tile's sums, of the samples [first, first + samples), 2 or more.
+struct glint_estimate_source {
+    const float *planes;
+    const float *batches; // NULL: none
+    bool wide;            // sums are doubles
+    uint32_t first, samples;
+};
+
+// Of the pixels 0 <= x < w, 0 <= y < h of a tile.
+void glint_estimate_tile(struct glint_tile_estimate *out, const struct glint_estimate_source *in,
+                         uint32_t w, uint32_t h);
 
 // Of the film whose tiles these are, row by row; pixels: of the film. In the order of the tiles, so
 // that a decision does not depend on who rendered them.

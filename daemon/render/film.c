@@ -17,7 +17,7 @@ static uint32_t smaller(uint32_t a, uint32_t b)
 static void clear_depth(const glint_film *f, uint32_t tile)
 {
     struct glint_film_tile at;
-    if (f->tile_words == GK_PLANES_BASE * GK_TILE_PIXELS)
+    if (!f->aovs)
         return;
     glint_film_tile(f, tile, &at);
     float *depth = (float *)glint_buffer_host(at.planes) + at.planes_offset +
@@ -62,10 +62,13 @@ glint_status glint_film_create(glint_film **out, glint_devices *devices,
     const bool aovs = glint_plan_has(plan, GLINT_PASS_AOVS);
     const bool flow = plan->on & glint_effect_bit("motion vectors");
     const bool coverage = glint_plan_has(plan, GLINT_PASS_COVERAGE);
+    const bool batches = glint_plan_has(plan, GLINT_PASS_BATCHES);
+    f->aovs = aovs;
     f->columns = (job->region[2] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
     f->rows = (job->region[3] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
-    f->tile_words = (GK_PLANES_BASE + (aovs ? GK_PLANES_AOV : 0) + (flow ? GK_PLANES_FLOW : 0)) *
-                    GK_TILE_PIXELS;
+    f->batch_words = (GK_PLANES_BASE + (aovs ? GK_PLANES_AOV : 0) + (flow ? GK_PLANES_FLOW : 0)) *
+                     GK_TILE_PIXELS;
+    f->tile_words = f->batch_words + (batches ? GK_PLANES_BATCHES * GK_TILE_PIXELS : 0);
     f->tile_slots = coverage ? (slots + GK_MATTE_LOST_WORDS) * GK_TILE_PIXELS : 0;
     const size_t largest = f->tile_slots * (size_t)8 > f->tile_words * (size_t)4
                                ? f->tile_slots * (size_t)8
@@ -145,6 +148,7 @@ void glint_film_tile(const glint_film *f, uint32_t tile, struct glint_film_tile 
     const uint32_t b = tile / f->tiles_per_buffer, i = tile % f->tiles_per_buffer;
     out->planes = f->planes[b];
     out->planes_offset = i * f->tile_words;
+    out->batches_offset = out->planes_offset + f->batch_words;
     out->tables = f->tables[b];
     out->tables_offset = i * f->tile_slots;
 }

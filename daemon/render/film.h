@@ -28,9 +28,10 @@ typedef struct glint_film glint_film;
 // Where a tile's planes and slot tables lie.
 struct glint_film_tile {
     glint_buffer *planes;
-    uint32_t planes_offset; // words
-    glint_buffer *tables;   // NULL without ID coverage
-    uint32_t tables_offset; // slots
+    uint32_t planes_offset;  // words
+    uint32_t batches_offset; // words, where the film has batches
+    glint_buffer *tables;    // NULL without ID coverage
+    uint32_t tables_offset;  // slots
 };
 
 // The region comes from the job, planes from the plan; slots: of a pixel, where it has coverage.

@@ -23,7 +23,9 @@ struct glint_tile {
 
 struct glint_film {
     uint32_t columns, rows;
-    uint32_t tile_words; // of planes
+    uint32_t tile_words;  // of planes
+    uint32_t batch_words; // of those before the batches
+    bool aovs;
     uint32_t tile_slots; // of tables, 0 without coverage
     uint32_t tiles_per_buffer, buffers;
     glint_buffer **planes, **tables; // [buffers]

@@ -10,14 +10,17 @@ void glint_render_measure(glint_render *r, uint32_t tile, uint32_t samples)
 {
     const uint32_t *region = r->job.region, columns = glint_film_columns(r->film);
     const uint32_t x = tile % columns * GK_TILE_SIDE, y = tile / columns * GK_TILE_SIDE;
-    const uint32_t first = glint_render_first(r);
-    const uint32_t half[2] = {glint_film_half(first, samples, 0),
-                              glint_film_half(first, samples, 1)};
     struct glint_film_tile at;
     glint_film_tile(r->film, tile, &at);
-    const float *planes = (const float *)glint_buffer_host(at.planes) + at.planes_offset;
-    glint_estimate_tile(&r->tile_estimate[tile], planes, r->job.dial[GLINT_DIAL_PRECISION] == 0,
-                        half, glint_pass_clip(x, GK_TILE_SIDE, region[2]),
+    const float *memory = glint_buffer_host(at.planes);
+    const struct glint_estimate_source source = {
+        .planes = memory + at.planes_offset,
+        .batches = r->job.estimate == GLINT_ESTIMATE_BATCHES ? memory + at.batches_offset : NULL,
+        .wide = r->job.dial[GLINT_DIAL_PRECISION] == 0,
+        .first = glint_render_first(r),
+        .samples = samples};
+    glint_estimate_tile(&r->tile_estimate[tile], &source,
+                        glint_pass_clip(x, GK_TILE_SIDE, region[2]),
                         glint_pass_clip(y, GK_TILE_SIDE, region[3]));
 }
 

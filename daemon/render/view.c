@@ -46,6 +46,7 @@ static void fill_wave_job(struct glint_view *v)
     v->wave_job.matte_rows = v->wave_job.matte_through ? glint_matte_rows(&v->job) : 0;
     v->wave_job.plain = v->plain;
     v->wave_job.seed = v->job.seed;
+    v->wave_job.parts_log2 = v->job.estimate == GLINT_ESTIMATE_BATCHES ? 4 : 1;
 }
 
 static void fill_info(struct glint_view *v)
@@ -54,6 +55,7 @@ static void fill_info(struct glint_view *v)
     info->job = &v->job;
     info->aovs = glint_plan_has(&v->plan, GLINT_PASS_AOVS);
     info->flow = v->plan.on & glint_effect_bit("motion vectors");
+    info->batches = glint_plan_has(&v->plan, GLINT_PASS_BATCHES);
     info->coverage = glint_plan_has(&v->plan, GLINT_PASS_COVERAGE);
     info->software = "glint " PACKAGE_VERSION;
     info->revision = glint_resident_revision(v->scene);

@@ -88,7 +88,7 @@ static glint_status generate(struct glint_run *r)
     *rect = (struct gk_wave_rect){
         r->block->x,           r->block->y,      r->block->x_end,  r->block->y_end,
         r->block->tiles_log2,  r->pixels_log2,   r->block->sample, r->lanes,
-        r->block->spread_log2, r->block->coarser};
+        r->block->spread_log2, r->block->coarser, r->job->parts_log2, 0};
     const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), BUFFER(r->job->frame),
                                      BUFFER(r->wave->rect)};
     const glint_status st = glint_run_launch(r, "generate_camera_rays", r->lanes, args, 4);
@@ -200,6 +200,19 @@ static glint_status trace_paths(struct glint_run *r)
     return st;
 }
 
+static glint_status accumulate_batch(struct glint_run *r, const struct glint_film_tile *at,
+                                     uint32_t n, uint32_t lane, uint32_t sample)
+{
+    const uint32_t stride = STRIDE, batch = sample % GK_BATCHES;
+    const uint32_t words = 3 * GK_SUM_PLANES * GK_TILE_PIXELS;
+    const uint32_t offset = at->batches_offset + batch * words;
+    const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(n), VALUE(lane),
+                                     BUFFER(at->planes),       VALUE(offset)};
+    const glint_status st = glint_run_launch(r, "accumulate_batch", n, args, 6);
+    glint_run_charge(r, GLINT_PASS_BATCHES);
+    return st;
+}
+
 static glint_status accumulate_sample(struct glint_run *r, const struct glint_film_tile *at,
                                       uint32_t n, uint32_t lane, uint32_t sample)
 {
@@ -209,6 +222,8 @@ static glint_status accumulate_sample(struct glint_run *r, const struct glint_fi
         VALUE(at->planes_offset), VALUE(half)};
     glint_status st = glint_run_launch(r, "accumulate_colour", n, args, 7);
     glint_run_charge(r, GLINT_PASS_COLOUR);
+    if (!st && glint_plan_has(r->job->plan, GLINT_PASS_BATCHES))
+        st = accumulate_batch(r, at, n, lane, sample);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_AOVS)) {
         st = glint_run_launch(r, "accumulate_aovs", n, args, 6);
         glint_run_charge(r, GLINT_PASS_AOVS);
@@ -283,7 +298,7 @@ static glint_status launch_all(struct glint_run *r)
 {
     const uint32_t stride = STRIDE, none = 0;
     const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(none)};
-    const struct glint_film_tile nowhere = {r->wave->columns, 0, r->wave->columns, 0};
+    const struct glint_film_tile nowhere = {.planes = r->wave->columns, .tables = r->wave->columns};
     glint_status st = generate(r);
     if (!st)
         st = shade(r, r->job->program, 0, 0);

@@ -28,6 +28,7 @@ struct glint_wave_job {
     uint32_t matte_rows;  // of the list of what a path has met, 0: none is kept
     glint_program *plain; // the program without that, for waves whose paths hold none; or NULL
     uint32_t seed;
+    uint32_t parts_log2;            // 1: samples are of two halves, 4: of 16 batches
     const atomic_bool *interrupted; // NULL: never
 };
 

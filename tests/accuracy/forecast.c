@@ -1,13 +1,18 @@
-// forecast - one scene, several seeds: what a job says of its own error and of the samples that it
-// needs, beside what is true.
+// forecast - what jobs say of their own error and of the samples that they need, beside what is
+// true. For tests/accuracy/forecast.py.
 //
-// usage: forecast SCENE.{glb,json} JOB.json SEEDS SAMPLES FIRST
+// usage: forecast measure SCENE.{glb,json} JOB.json SEEDS SAMPLES FIRST
+//        forecast predict FIRST < measured
 //
-// Renders the job with seeds 1..SEEDS for SAMPLES samples. A seed's reference is the mean of the
-// others; how far that is off itself is taken from the others' own estimates, and subtracted. Writes
-// CSV to stdout: rows "estimate" at each checkpoint of each seed, rows "forecast" of targets 1/2,
-// 1/4 and 1/8 of the error estimated at FIRST samples, with the samples at which the true error is
-// first that small, and a row "z" for each seed that has batches.
+// measure renders the job with seeds 1..SEEDS for SAMPLES samples. A seed's reference is the mean of
+// the others; how far that is off itself is taken from the others' own estimates and subtracted.
+// Writes CSV, each row with its seed:
+//   point,SEED,samples,error,spread               of the curve
+//   cells,SEED,tail,relative,spread,...           parts of the picture at FIRST samples
+//   look,SEED,samples,error,true,linear,true,tone-mapped,true,tail
+// predict reads these and writes, for targets 1/2, 1/4 and 1/8 of the error at FIRST samples,
+//   forecast,SEED,divisor,rare,samples at which the true error is first that small (0: later),
+//            quantiles of the forecast: .5, then .025 .05 .1 .25 .75 .9 .95 .975
 #include "kernels/gk_film.h"
 #include "tests/render/offline.h"
 
@@ -17,19 +22,11 @@
 #include <string.h>
 
 #define STEP 16 // samples between two looks at the true error
-#define TARGETS 3
+#define MAX_LOOKS 4096
 
 struct look {
     struct glint_estimate estimate;
     float *mean; // [pixels][3]
-};
-
-struct seed {
-    struct look *look; // [looks]
-    bool known[TARGETS];
-    double draws[TARGETS][GLINT_FORECAST_DRAWS];
-    double target[TARGETS];
-    bool rare;
 };
 
 struct run {
@@ -37,8 +34,8 @@ struct run {
     struct glint_posed rest;
     struct glint_job *job;
     uint32_t seeds, looks, first;
-    size_t values; // 3 for each pixel
-    struct seed *seed;
+    size_t values;      // 3 for each pixel
+    struct look **seed; // [seeds][looks]
 };
 
 static void *room(size_t n, size_t size)
@@ -79,36 +76,21 @@ static void take_look(const struct run *run, glint_render *r, uint32_t samples, 
         take_tile(run, r, t, samples, out->mean);
 }
 
-static void take_forecasts(const struct run *run, const glint_render *r, struct seed *s)
+static void print_cells(const struct glint_film_estimate *e, uint32_t seed)
 {
-    s->rare = glint_estimate_rare(&r->estimate.whole);
-    for (int t = 0; t < TARGETS; t++) {
-        s->target[t] = r->estimate.whole.error / (2 << t);
-        const struct glint_forecast_input in = {.curve = r->curve,
-                                                .points = r->points,
-                                                .now = &r->estimate,
-                                                .samples = run->first,
-                                                .target = s->target[t],
-                                                .limit = GLINT_MAX_SAMPLES};
-        s->known[t] = glint_forecast_draw(s->draws[t], &in);
-    }
+    printf("cells,%u,%.6g", seed, e->whole.tail);
+    for (uint32_t c = 0; c < e->cells; c++)
+        printf(",%.9g,%.9g", e->relative[c], e->spread[c]);
+    puts("");
 }
 
-static void print_curve(uint32_t number, const glint_render *r)
-{
-    for (uint32_t i = 0; i < r->points; i++)
-        printf("curve,%u,%u,%.9g,%.9g,%.9g\n", number, r->curve[i].samples, r->curve[i].error,
-               r->curve[i].spread, r->curve[i].seconds);
-}
-
-static void render_seed(struct run *run, uint32_t number)
+static void render_seed(struct run *run, uint32_t seed)
 {
     struct glint_error err = {0};
-    struct seed *s = &run->seed[number];
     glint_render *r = NULL;
-    run->job->seed = number + 1;
+    run->job->seed = seed + 1;
     run->job->stop = (struct glint_job_stop){.samples = STEP};
-    s->look = room(run->looks, sizeof *s->look);
+    run->seed[seed] = room(run->looks, sizeof **run->seed);
     if (glint_render_create(&r, run->o.devices, run->rest.resident, run->rest.pose, run->job, &err))
         offline_die("render", &err);
     for (uint32_t i = 0; i < run->looks; i++) {
@@ -116,129 +98,214 @@ static void render_seed(struct run *run, uint32_t number)
         if (i && !glint_render_extend(r, samples, 0.0))
             offline_die("extend", &err);
         offline_render(&run->o, r);
-        take_look(run, r, samples, &s->look[i]);
+        take_look(run, r, samples, &run->seed[seed][i]);
         if (samples == run->first)
-            take_forecasts(run, r, s);
+            print_cells(&r->estimate, seed);
     }
-    print_curve(number, r);
+    for (uint32_t i = 0; i < r->points; i++)
+        printf("point,%u,%u,%.9g,%.9g\n", seed, r->curve[i].samples, r->curve[i].error,
+               r->curve[i].spread);
     glint_render_destroy(&r);
 }
 
-// ---- the truth
+// ---- the truth: squares of errors, as the estimate has them
 
-// The mean of the other seeds' last looks; returns what its own noise adds to the error's square.
-static double reference(const struct run *run, uint32_t number, float *out)
+static double toned(const float *c, int channel)
 {
-    double noise = 0.0;
+    return c[channel] / (1.0 + fmax(c[0], fmax(c[1], c[2])));
+}
+
+static struct glint_estimate squares(const struct run *run, const float *mean,
+                                     const float *reference)
+{
+    const double values = (double)run->values;
+    struct glint_estimate e = {0};
+    for (size_t p = 0; p < run->values; p += 3)
+        for (int c = 0; c < 3; c++) {
+            const double d = (double)mean[p + c] - reference[p + c], r = reference[p + c];
+            const double t = toned(mean + p, c) - toned(reference + p, c);
+            e.error += d * d / (r * r + 0.01) / values;
+            e.linear += d * d / values;
+            e.tone_mapped += 3.0 * t * t / values;
+        }
+    return e;
+}
+
+// The mean of the other seeds' last looks; *noise: squares of its own errors.
+static void make_reference(const struct run *run, uint32_t seed, float *out,
+                           struct glint_estimate *noise)
+{
+    const double others = run->seeds - 1.0;
     memset(out, 0, run->values * sizeof *out);
+    *noise = (struct glint_estimate){0};
     for (uint32_t k = 0; k < run->seeds; k++) {
-        const struct look *last = &run->seed[k].look[run->looks - 1];
-        for (size_t i = 0; k != number && i < run->values; i++)
-            out[i] += last->mean[i] / (float)(run->seeds - 1);
-        noise += k != number ? last->estimate.error * last->estimate.error : 0.0;
-    }
-    return noise / ((run->seeds - 1.0) * (run->seeds - 1.0));
-}
-
-static double true_error(const struct run *run, const float *mean, const float *reference,
-                         double noise)
-{
-    double sum = 0.0, own = 0, lin = 0, tone = 0, nl = 0, nt = 0;
-    for (size_t i = 0; i < run->values; i++) {
-        const double d = (double)mean[i] - reference[i], r = reference[i];
-        sum += d * d / (r * r + 0.01);
-        own += d * d / (mean[i] * (double)mean[i] + 0.01);
-        lin += d * d;
-    }
-    for (size_t p = 0; p < run->values; p += 3) {
-        const float *a = mean + p, *b = reference + p;
-        double ta = 1 + fmax(a[0], fmax(a[1], a[2])), tb = 1 + fmax(b[0], fmax(b[1], b[2]));
-        for (int c = 0; c < 3; c++)
-            tone += pow(a[c] / ta - b[c] / tb, 2);
-    }
-    for (uint32_t k = 0; k < run->seeds; k++) {
-        const struct glint_estimate *e = &run->seed[k].look[run->looks - 1].estimate;
-        nl += e->linear * e->linear / run->seeds / (run->seeds - 1);
-        nt += e->tone_mapped * e->tone_mapped / run->seeds / (run->seeds - 1);
-    }
-    printf("truth,%.6g,%.6g,%.6g,%.6g\n", sqrt(sum / run->values - noise), sqrt(own / run->values - noise), sqrt(lin / run->values - nl), sqrt(tone * 3 / run->values - nt));
-    return sqrt(fmax(own / (double)run->values - noise, 0.0));
-}
-
-// Samples at which the error is first at most `target`, between two looks; 0: never.
-static double reached(const struct run *run, const double *error, double target)
-{
-    for (uint32_t i = 0; i < run->looks; i++) {
-        if (error[i] > target)
+        const struct look *last = &run->seed[k][run->looks - 1];
+        const struct glint_estimate *e = &last->estimate;
+        if (k == seed)
             continue;
+        for (size_t i = 0; i < run->values; i++)
+            out[i] += last->mean[i] / (float)others;
+        noise->error += e->error * e->error / (others * others);
+        noise->linear += e->linear * e->linear / (others * others);
+        noise->tone_mapped += e->tone_mapped * e->tone_mapped / (others * others);
+    }
+}
+
+static double root(double square, double noise)
+{
+    return sqrt(fmax(square - noise, 0.0));
+}
+
+static void print_looks(const struct run *run, uint32_t seed)
+{
+    struct glint_estimate noise;
+    float *reference = room(run->values, sizeof *reference);
+    make_reference(run, seed, reference, &noise);
+    for (uint32_t i = 0; i < run->looks; i++) {
+        const struct look *l = &run->seed[seed][i];
+        const struct glint_estimate *e = &l->estimate, s = squares(run, l->mean, reference);
+        printf("look,%u,%u,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.4g\n", seed, STEP * (i + 1), e->error,
+               root(s.error, noise.error), e->linear, root(s.linear, noise.linear), e->tone_mapped,
+               root(s.tone_mapped, noise.tone_mapped), e->tail);
+    }
+    free(reference);
+}
+
+static void measure(struct run *run, char **argument)
+{
+    size_t length;
+    offline_start(&run->o, 1);
+    char *text = (char *)offline_read_file(argument[1], &length);
+    run->job = offline_job(text);
+    run->rest = offline_load_posed(&run->o, argument[0]);
+    run->seeds = (uint32_t)atoi(argument[2]);
+    run->looks = (uint32_t)atoi(argument[3]) / STEP;
+    run->first = (uint32_t)atoi(argument[4]);
+    run->values = (size_t)3 * run->job->region[2] * run->job->region[3];
+    run->seed = room(run->seeds, sizeof *run->seed);
+    for (uint32_t k = 0; k < run->seeds; k++)
+        render_seed(run, k);
+    for (uint32_t k = 0; k < run->seeds; k++)
+        print_looks(run, k);
+    for (uint32_t k = 0; k < run->seeds; k++) {
+        for (uint32_t i = 0; i < run->looks; i++)
+            free(run->seed[k][i].mean);
+        free(run->seed[k]);
+    }
+    free(run->seed);
+    free(text);
+    glint_resident_release(&run->rest.resident);
+    glint_job_destroy(&run->job);
+    offline_finish(&run->o);
+}
+
+// ---- forecasts from what was measured
+
+struct seed {
+    struct glint_convergence_point curve[GLINT_CURVE_POINTS];
+    uint32_t points, looks;
+    struct glint_film_estimate now;
+    double error[MAX_LOOKS]; // the true one
+};
+
+// Samples at which the true error is first at most `target`, between two looks; 0: later.
+static double reached(const struct seed *s, double target)
+{
+    for (uint32_t i = 0; i < s->looks; i++) {
         const double n = STEP * (i + 1.0);
+        if (s->error[i] > target)
+            continue;
         if (!i)
             return n;
-        const double slope = log(error[i - 1] / error[i]) / log(n / (n - STEP));
-        return n * pow(error[i] / target, 1.0 / slope);
+        const double slope = log(s->error[i - 1] / s->error[i]) / log(n / (n - STEP));
+        return n * pow(s->error[i] / target, 1.0 / slope);
     }
     return 0.0;
 }
 
-static void print_forecast(uint32_t number, int t, const struct seed *s, double actual)
+static void predict_one(const struct seed *s, uint32_t number, uint32_t first, int divisor)
 {
     static const double level[] = {0.5, 0.025, 0.05, 0.1, 0.25, 0.75, 0.9, 0.95, 0.975};
-    printf("forecast,%u,%d,%.9g,%.6g,%d", number, 2 << t, s->target[t], actual, s->rare);
+    double draw[GLINT_FORECAST_DRAWS];
+    const struct glint_forecast_input in = {.curve = s->curve,
+                                            .points = s->points,
+                                            .now = &s->now,
+                                            .samples = first,
+                                            .target = s->now.whole.error / divisor,
+                                            .limit = GLINT_MAX_SAMPLES};
+    if (!glint_forecast_draw(draw, &in))
+        return;
+    printf("forecast,%u,%d,%d,%.6g", number, divisor, glint_estimate_rare(&s->now.whole),
+           reached(s, in.target));
     for (size_t i = 0; i < sizeof level / sizeof *level; i++)
-        printf(",%.6g", s->draws[t][(int)(level[i] * (GLINT_FORECAST_DRAWS - 1) + 0.5)]);
+        printf(",%.6g", draw[(int)(level[i] * (GLINT_FORECAST_DRAWS - 1) + 0.5)]);
     puts("");
 }
 
-static void print_seed(const struct run *run, uint32_t number)
+static void predict(const struct seed *s, uint32_t number, uint32_t first)
 {
-    const struct seed *s = &run->seed[number];
-    float *mean = room(run->values, sizeof *mean);
-    double *error = room(run->looks, sizeof *error);
-    const double noise = reference(run, number, mean);
-    for (uint32_t i = 0; i < run->looks; i++) {
-        const struct glint_estimate *e = &s->look[i].estimate;
-        error[i] = true_error(run, s->look[i].mean, mean, noise);
-        printf("estimate,%u,%u,%.9g,%.9g,%.9g,%.9g,%.9g,%.4g\n", number, STEP * (i + 1), e->error,
-               error[i], e->spread, e->linear, e->tone_mapped, e->tail);
+    for (int divisor = 2; divisor <= 8; divisor *= 2)
+        predict_one(s, number, first, divisor);
+}
+
+static void read_cells(struct seed *s, const char *at)
+{
+    struct glint_film_estimate *e = &s->now;
+    int used = 0;
+    sscanf(at, "%lf%n", &e->whole.tail, &used);
+    for (at += used;
+         sscanf(at, ",%lf,%lf%n", &e->relative[e->cells], &e->spread[e->cells], &used) == 2;
+         at += used)
+        e->cells++;
+}
+
+static void read_point(struct seed *s, const char *at, uint32_t first)
+{
+    struct glint_convergence_point p = {0};
+    if (sscanf(at, "%u,%lf,%lf", &p.samples, &p.error, &p.spread) != 3 || p.samples > first)
+        return;
+    s->curve[s->points++] = p;
+    s->now.whole.error = p.error;
+    s->now.whole.spread = p.spread;
+}
+
+static void read_line(struct seed *s, const char *line, const char *at, uint32_t first)
+{
+    if (!strncmp(line, "cells", 5))
+        read_cells(s, at);
+    else if (!strncmp(line, "point", 5))
+        read_point(s, at, first);
+    else if (s->looks < MAX_LOOKS && sscanf(at, "%*u,%*f,%lf", &s->error[s->looks]) == 1)
+        s->looks++;
+}
+
+static void predict_all(uint32_t first)
+{
+    static struct seed seed[64];
+    static char line[1 << 16];
+    uint32_t number, seeds = 0;
+    while (fgets(line, sizeof line, stdin)) {
+        int used = 0;
+        if (sscanf(line, "%*[a-z],%u,%n", &number, &used) != 1 || !used || number >= 64)
+            continue;
+        read_line(&seed[number], line, line + used, first);
+        seeds = number >= seeds ? number + 1 : seeds;
     }
-    for (int t = 0; t < TARGETS; t++)
-        if (s->known[t])
-            print_forecast(number, t, s, reached(run, error, s->target[t]));
-    fflush(stdout);
-    free(error);
-    free(mean);
+    for (number = 0; number < seeds; number++)
+        predict(&seed[number], number, first);
 }
 
 int main(int argc, char **argv)
 {
-    struct run run = {0};
-    size_t length;
-    if (argc < 6) {
-        fprintf(stderr, "usage: forecast SCENE JOB.json SEEDS SAMPLES FIRST\n");
+    static struct run run;
+    if (argc == 7 && !strcmp(argv[1], "measure")) {
+        measure(&run, argv + 2);
+    } else if (argc == 3 && !strcmp(argv[1], "predict")) {
+        predict_all((uint32_t)atoi(argv[2]));
+    } else {
+        fprintf(stderr, "usage: forecast measure SCENE JOB.json SEEDS SAMPLES FIRST\n"
+                        "       forecast predict FIRST < measured\n");
         return 64;
     }
-    offline_start(&run.o, 1);
-    char *text = (char *)offline_read_file(argv[2], &length);
-    run.job = offline_job(text);
-    run.rest = offline_load_posed(&run.o, argv[1]);
-    run.seeds = (uint32_t)atoi(argv[3]);
-    run.looks = (uint32_t)atoi(argv[4]) / STEP;
-    run.first = (uint32_t)atoi(argv[5]);
-    run.values = (size_t)3 * run.job->region[2] * run.job->region[3];
-    run.seed = room(run.seeds, sizeof *run.seed);
-    for (uint32_t k = 0; k < run.seeds; k++)
-        render_seed(&run, k);
-    for (uint32_t k = 0; k < run.seeds; k++)
-        print_seed(&run, k);
-    for (uint32_t k = 0; k < run.seeds; k++) {
-        for (uint32_t i = 0; i < run.looks; i++)
-            free(run.seed[k].look[i].mean);
-        free(run.seed[k].look);
-    }
-    free(run.seed);
-    free(text);
-    glint_resident_release(&run.rest.resident);
-    glint_job_destroy(&run.job);
-    offline_finish(&run.o);
     return 0;
 }

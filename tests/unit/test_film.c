@@ -179,14 +179,14 @@ static void estimate_is_the_square_of_half_the_difference(void **state)
     struct glint_film_tile at;
     glint_film_tile(film, 0, &at);
     float *planes = (float *)glint_buffer_host(at.planes) + at.planes_offset;
-    const uint32_t half[2] = {4, 4};
     for (uint32_t h = 0; h < 2; h++)
         for (uint32_t c = 0; c < 3; c++)
             for (uint32_t i = 0; i < GK_TILE_PIXELS; i++)
                 planes[(h * 3 + c) * GK_SUM_PLANES * GK_TILE_PIXELS + i] =
                     4.0f * (h ? 0.75f : 1.25f);
     struct glint_tile_estimate e;
-    glint_estimate_tile(&e, planes, false, half, 10, 7);
+    const struct glint_estimate_source source = {.planes = planes, .samples = 8};
+    glint_estimate_tile(&e, &source, 10, 7);
     assert_float_equal(e.relative, 10 * 7 * 3 * 0.0625 / 1.01, 1e-5);
     assert_float_equal(e.linear, 10 * 7 * 3 * 0.0625, 1e-5);
     const double tone = 1.25 / 2.25 - 0.75 / 1.75;

@@ -330,6 +330,7 @@ static void assert_same(const struct glint_job *a, const struct glint_job *b)
     assert_memory_equal(a->dial, b->dial, sizeof a->dial);
     assert_true(a->matte_slots == b->matte_slots && a->matte_levels == b->matte_levels);
     assert_true(a->filter == b->filter && a->filter_width == b->filter_width);
+    assert_true(a->estimate == b->estimate);
     assert_true(a->max_bounces == b->max_bounces && a->seed == b->seed && a->frame == b->frame);
     assert_true(a->stop.samples == b->stop.samples && a->stop.seconds == b->stop.seconds);
     assert_true(a->stop.error == b->stop.error && a->priority == b->priority);
@@ -345,7 +346,8 @@ static void parsing_what_was_written_gives_an_equal_job(void **state)
         "'mattes':{'eviction':'direct_first','slots':32,'levels':16,'through':'glossy','alpha':0.3,"
         "'clamp':false,'diffuse_cut':false,'env_id':false,'classes':true,'variance':'eq3',"
         "'coverage':'opaque_full'},'filter':{'kind':'box','width':0.7},"
-        "'max_bounces':0,'seed':4294967295,'stop':{'samples':3,'seconds':0.1,'error':1e-3},'"
+        "'estimate':'batches','max_bounces':0,'seed':4294967295,'stop':{'samples':3,'seconds':0.1,'"
+        "error':1e-3},'"
         "priority':-100}";
     static const char own_camera[] =
         "{'scene':'a','camera':{'name':'c','yfov':0.7,'lens_radius':0.1,'focus_distance':3,"
@@ -398,7 +400,7 @@ static void defaults_that_are_spelled_out_give_an_equal_job(void **state)
     char *text = glint_job_write(a), want[2048] = "";
     add(want, sizeof want,
         "{\"scene\":\"a\",\"name\":\"\",\"frame\":0,\"fps\":0,\"shutter\":[0,0],"
-        "\"live\":false,\"max_bounces\":8,\"seed\":0,\"priority\":0,"
+        "\"live\":false,\"estimate\":\"halves\",\"max_bounces\":8,\"seed\":0,\"priority\":0,"
         "\"resolution\":[1280,720],\"region\":[0,0,1280,720],"
         "\"outputs\":[\"beauty\",\"crypto_object\",\"crypto_material\",\"crypto_asset\"],"
         "\"accuracy\":{");
