@@ -168,6 +168,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/use.h \
 	daemon/jobs/warn.c \
 	daemon/jobs/warn.h \
+	daemon/render/adaptive.c \
+	daemon/render/adaptive.h \
 	daemon/render/archive.c \
 	daemon/render/archive.h \
 	daemon/render/camera.c \

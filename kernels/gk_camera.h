@@ -25,8 +25,10 @@ GK_INLINE struct gk_lane gk_lane_at(const GK_GLOBAL struct gk_wave_rect *rect, g
     struct gk_lane l;
     l.x = rect->x + (((column << 4) + (pixel & 15u)) << rect->spread_log2);
     l.y = rect->y + (((row << 4) + ((pixel >> 4) & 15u)) << rect->spread_log2);
-    l.base = gk_sampler_base(l.x, l.y, seed, sample & ((1u << rect->parts_log2) - 1u));
-    l.index = sample >> rect->parts_log2;
+    // Samples from 2^24 on are of a pilot: of parts that no others are of.
+    const gk_u32 part = (sample & ((1u << rect->parts_log2) - 1u)) | sample >> 24 << 4;
+    l.base = gk_sampler_base(l.x, l.y, seed, part);
+    l.index = (sample & 0xffffffu) >> rect->parts_log2;
     return l;
 }
 

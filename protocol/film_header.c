@@ -37,6 +37,7 @@ static const struct glint_field moment_fields[] = {
     GLINT_FIELD_KNOWN("tone_mapped"),
     GLINT_FIELD_KNOWN("tail"),
     GLINT_FIELD_KNOWN("biases"),
+    GLINT_FIELD_KNOWN("shares"),
     GLINT_FIELD_KNOWN("camera_rays"),
     GLINT_FIELD_KNOWN("bounce_rays"),
     GLINT_FIELD_KNOWN("shadow_rays"),
@@ -149,6 +150,10 @@ static void write_moment(struct glint_text *t, const struct glint_film_moment *m
     write_count(t, "shadow_rays", m->shadow_rays);
     write_counts(t, m);
     write_curve(t, m);
+    if (m->shares) {
+        glint_text_key(t, "shares");
+        glint_text_string(t, m->shares);
+    }
     cJSON *biases = glint_biases_names(m->biases);
     write_tree(t, "biases", biases);
     cJSON_Delete(biases);
@@ -289,6 +294,10 @@ static void read_moment(const struct glint_json *root, struct glint_film_header 
         return;
     glint_fields_read(&at, moment_fields, &h->arena, m);
     read_estimate(&at, &m->estimate);
+    const struct glint_json shares = glint_json_member(&at, "shares");
+    char *letters = NULL;
+    glint_json_string(&shares, &h->arena, &letters);
+    m->shares = letters;
     m->biases = glint_biases_named(glint_json_member(&at, "biases").value);
     read_count(&at, "camera_rays", &m->camera_rays);
     read_count(&at, "bounce_rays", &m->bounce_rays);
@@ -299,6 +308,12 @@ static void read_moment(const struct glint_json *root, struct glint_film_header 
     if (m->sample < first || m->sample + m->samples > GLINT_MAX_SAMPLES || m->target < m->sample)
         glint_json_fault(&at, "samples %u to %u are not the next of a job from %u to %u", m->sample,
                          m->sample + m->samples, first, m->target);
+    const bool pilot = h->job && h->job->adaptive && !m->shares;
+    const bool whole = !(m->sample % GLINT_PILOT_SAMPLES || m->samples % GLINT_PILOT_SAMPLES);
+    if (pilot ? m->sample + m->samples > GLINT_PILOT_SAMPLES
+              : m->shares && (m->sample < GLINT_PILOT_SAMPLES || !whole))
+        glint_json_fault(&at, "samples %u to %u are not of a pass of an adaptive job", m->sample,
+                         m->sample + m->samples);
     if (m->complete && m->samples)
         glint_json_fault(&at, "a complete film has no pass under way");
 }
@@ -330,7 +345,8 @@ static void read_planes(const struct glint_json *root, struct glint_film_header 
     const uint32_t aovs = GLINT_OUT_DEPTH | GLINT_OUT_NORMAL | GLINT_OUT_ALBEDO | GLINT_OUT_MOTION;
     if ((outputs & aovs && !info->aovs) || (outputs & GLINT_OUT_MOTION && !info->flow) ||
         (info->flow && !info->aovs) ||
-        (h->job && h->job->estimate == GLINT_ESTIMATE_BATCHES && !info->batches) || (outputs & GLINT_OUT_CRYPTO && !info->coverage))
+        (h->job && h->job->estimate == GLINT_ESTIMATE_BATCHES && !info->batches) ||
+        (outputs & GLINT_OUT_CRYPTO && !info->coverage))
         glint_json_fault(&at, "the job's outputs need more");
 }
 

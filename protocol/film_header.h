@@ -40,7 +40,8 @@ struct glint_film_moment {
     struct glint_estimate estimate;
     double worker_seconds;
     uint64_t camera_rays, bounce_rays, shadow_rays;
-    uint32_t biases; // approximations that it was rendered under, of bias.h
+    const char *shares; // of an adaptive job behind its pilot, a letter for each tile; else NULL
+    uint32_t biases;    // approximations that it was rendered under, of bias.h
     uint64_t count[GLINT_COUNTS];
     uint32_t points;
     struct glint_convergence_point curve[GLINT_CURVE_POINTS];

@@ -78,6 +78,11 @@ static glint_status check_parts(const struct glint_film_part *part, size_t count
             st = GLINT_E_RANGE;
         if (!partial && check_complete(&part[i], err))
             st = GLINT_E_RANGE;
+        if (h->info.job->adaptive)
+            st = glint_fail(err, GLINT_E_RANGE, "",
+                            "%s is of an adaptive job: how many samples a pixel has depends on the "
+                            "others, so that parts do not add up",
+                            part[i].name);
         for (size_t j = 0; j < i; j++)
             if (check_overlap(&part[j], &part[i], err))
                 st = GLINT_E_RANGE;

@@ -131,6 +131,8 @@ static bool samples_agree(const glint_film_file *f, uint32_t samples)
 {
     const struct glint_film_moment *m = &f->header->moment;
     const uint32_t before = m->sample - f->header->info.job->sample_range[0];
+    if (m->shares) // whoever goes on from it knows more
+        return samples % GLINT_PILOT_SAMPLES == 0;
     return samples == before || (m->samples && samples == before + m->samples);
 }
 
@@ -231,7 +233,8 @@ static glint_status read_tiles(struct scan *s)
 static glint_status check_missing(struct scan *s)
 {
     const struct glint_film_header *h = s->file->header;
-    if (h->moment.sample == h->info.job->sample_range[0])
+    const uint32_t first = h->moment.shares ? GLINT_PILOT_SAMPLES : 0;
+    if (h->moment.sample == h->info.job->sample_range[0] + first)
         return GLINT_OK;
     for (uint32_t t = 0; t < s->file->tiles; t++)
         if (!s->file->tile[t].samples)

@@ -42,6 +42,7 @@ const struct glint_field glint_job_fields[] = {
     GLINT_FIELD(FLOAT, struct glint_job, shutter, .count = 2, .low = -16, .high = 16),
     GLINT_FIELD(STRING, struct glint_job, animation),
     GLINT_FIELD(BOOL, struct glint_job, live),
+    GLINT_FIELD(BOOL, struct glint_job, adaptive),
     {.name = "estimate",
      .kind = GLINT_FIELD_CHOICE,
      .offset = offsetof(struct glint_job, estimate),

@@ -14,6 +14,8 @@
 
 #define GLINT_MAX_SIDE 16384u
 #define GLINT_DEFAULT_SAMPLES 256u   // of a job that says nothing of when to stop
+#define GLINT_PILOT_SAMPLES 16u      // of an adaptive job, thrown away; then passes have as many
+#define GLINT_ADAPTIVE_SAMPLES 64u   // fewest that an adaptive job takes
 #define GLINT_MAX_SAMPLES (1u << 24) // per pixel: matte counters are exact up to here
 
 enum glint_output {
@@ -83,7 +85,8 @@ struct glint_job {
     float shutter[2];     // opens and closes, in frames from `frame` on; -16..16, default 0 0
     char *animation;      // id or name; NULL: the scene's first; "none": the scene at rest
     enum glint_estimate_kind estimate;
-    bool live; // follows the scene's revisions and camera moves
+    bool adaptive; // noisier parts get more samples; stop.samples is their mean
+    bool live;     // follows the scene's revisions and camera moves
     uint32_t seed;
     // First index and the one after the last, where only these of a frame's samples are wanted:
     // stop.samples is their number. Both 0: all from the first on, until it stops.

@@ -268,6 +268,21 @@ static void check_live(const struct glint_json *root, const struct glint_job *jo
         glint_json_fault(&error, "a live job stops by samples or seconds, not by its error");
 }
 
+// A pilot decides for all samples of a frame that does not change.
+static void check_adaptive(const struct glint_json *root, const struct glint_job *job)
+{
+    const struct glint_json at = glint_json_member(root, "adaptive");
+    if (!job->adaptive)
+        return;
+    if (job->live)
+        glint_json_fault(&at, "a live job takes the same samples everywhere");
+    if (job->sample_range[1])
+        glint_json_fault(&at, "a job with a sample range takes all of it everywhere");
+    else if (job->stop.samples < GLINT_ADAPTIVE_SAMPLES)
+        glint_json_fault(&at, "at least %u samples are expected, not %u: 16 are the pilot's",
+                         GLINT_ADAPTIVE_SAMPLES, job->stop.samples);
+}
+
 static void read_members(const struct glint_json *root, struct glint_job *job)
 {
     const struct {
@@ -289,6 +304,7 @@ static void read_members(const struct glint_json *root, struct glint_job *job)
     read_sample_range(root, job);
     check_live(root, job);
     check_budget(root, job);
+    check_adaptive(root, job);
     if (!job->name)
         job->name = glint_arena_string(&job->arena, "");
     if (!job->name)

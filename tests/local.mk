@@ -23,6 +23,7 @@ UNIT_TESTS = \
 	tests/kernel/test_motion_keys \
 	tests/kernel/test_sampler \
 	tests/kernel/test_texture \
+	tests/render/test_adaptive \
 	tests/render/test_bounces \
 	tests/render/test_camera \
 	tests/render/test_effects \
@@ -152,6 +153,7 @@ effect_worlds = tests/render/effect_worlds.c tests/render/effect_worlds.h $(stab
 tests_render_test_effects_SOURCES = tests/render/test_effects.c $(effect_worlds)
 moving = tests/render/moving.c tests/render/moving.h $(stable)
 filmed = tests/render/filmed.c tests/render/filmed.h $(stable)
+tests_render_test_adaptive_SOURCES = tests/render/test_adaptive.c $(filmed)
 tests_render_test_film_restore_SOURCES = tests/render/test_film_restore.c $(filmed)
 tests_render_test_coarse_SOURCES = tests/render/test_coarse.c $(filmed)
 tests_render_test_film_merge_SOURCES = tests/render/test_film_merge.c $(filmed)

@@ -7,8 +7,10 @@
 
 #define FEWEST_POINTS 5
 #define FEWEST_SAMPLES 16
-#define USUAL_POWER 1.15
-#define USUAL_SPREAD 0.12 // of the power among scenes, and within one as samples grow
+#define USUAL_POWER 1.10
+#define USUAL_SPREAD 0.015 // of the power among scenes
+#define FUTURE_SPREAD 0.05 // and within one as samples grow
+#define SLOW_POWER 0.85    // no error falls slower: samples do not see all of it yet
 #define UNKNOWN_SPREAD 0.2
 #define LEAST_SPREAD 0.01
 
@@ -84,16 +86,17 @@ static struct sums gather(const struct glint_forecast_input *in)
 
 static bool fit(struct line *out, const struct glint_forecast_input *in)
 {
+    const double now = in->now->whole.error;
     struct sums s = gather(in);
     const double weight = 1.0 / (USUAL_SPREAD * USUAL_SPREAD);
-    if (s.points < FEWEST_POINTS || in->samples < FEWEST_SAMPLES)
+    if (!(now > in->bias) || s.points < FEWEST_POINTS || in->samples < FEWEST_SAMPLES)
         return false;
     s.x_x += weight;
     s.x_y += weight * USUAL_POWER;
     const double rest = s.x_x - s.one_x * s.one_x / s.one_one;
     out->power = fmin(fmax((s.x_y - s.one_x * s.one_y / s.one_one) / rest, 1.0), 2.0);
-    out->level = (s.one_y - s.one_x * out->power) / s.one_one;
-    out->power_spread = sqrt(1.0 / rest);
+    out->level = log(now * now - in->bias * in->bias); // early points only say how steep it is
+    out->power_spread = sqrt(1.0 / rest + FUTURE_SPREAD * FUTURE_SPREAD);
     return true;
 }
 
@@ -185,6 +188,19 @@ static void take_seconds(struct glint_forecast *out, const double *samples,
     out->seconds[0] = fmax(out->samples[0] - in->samples, 0.0) * pace[in->paces / 2];
 }
 
+// Over the last two octaves the square of the error fell less than samples grew.
+static bool falls_slowly(const struct glint_forecast_input *in)
+{
+    const double now = in->now->whole.error;
+    for (uint32_t i = in->points; i-- > 0;) {
+        const struct glint_convergence_point *p = &in->curve[i];
+        const double octaves = log2((double)in->samples / p->samples);
+        if (p->error > in->bias && octaves >= 2.0)
+            return 2.0 * log2(p->error / now) < SLOW_POWER * octaves;
+    }
+    return false;
+}
+
 void glint_forecast_make(struct glint_forecast *out, const struct glint_forecast_input *in)
 {
     double samples[GLINT_FORECAST_DRAWS];
@@ -196,5 +212,5 @@ void glint_forecast_make(struct glint_forecast *out, const struct glint_forecast
     take_quantiles(out->samples, samples, GLINT_FORECAST_DRAWS);
     take_seconds(out, samples, in);
     out->reachable = out->samples[1] <= in->limit;
-    out->lower_bound = glint_estimate_rare(&in->now->whole);
+    out->lower_bound = glint_estimate_rare(&in->now->whole) || falls_slowly(in);
 }

@@ -3,8 +3,9 @@
 // Source: ACCURACY 6. Model: E^2(n) = b^2 + V / n^g, fitted to the logarithms of E^2 - b^2 at the
 // checkpoints by least squares, each weighted by its own spread. Checkpoints share samples: the
 // correlation of two is the ratio of their sample counts, which the fit takes out. g is 1 for
-// independent samples and more where scrambled nets do better; it is drawn towards what they reach
-// in common scenes and kept in [1, 2].
+// independent samples and more where scrambled nets do better; the fit is held close to what they
+// reach in common scenes from some ten samples on, for what they gain early does not last, and kept
+// in [1, 2].
 //
 // The interval is that of a bootstrap over parts of the picture. Departure from ACCURACY: parts are
 // not drawn again but moved by their own spread (Wu 1986), for a picture's own unevenness is no
@@ -37,7 +38,7 @@ struct glint_forecast {
     double target; // error wanted, NAN: none
     double samples[3], seconds[3];
     bool reachable;   // with these settings
-    bool lower_bound; // rare events: it takes at least that
+    bool lower_bound; // rare events, or an error that falls too slowly: it takes at least that
 };
 
 #define GLINT_NO_FORECAST                                  \

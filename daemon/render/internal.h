@@ -26,6 +26,7 @@ struct glint_pass_state {
     uint32_t start;                            // the block that is given out first
     uint32_t next;                             // blocks given out, counted from there
     uint32_t done;                             // blocks given back
+    uint32_t *list; // [blocks of the finest pass] of an adaptive job: those of this pass
     uint32_t *redo; // [blocks of the finest pass]: returned without being run
     uint32_t redos;
 };
@@ -47,7 +48,9 @@ struct glint_view {
     glint_buffer *frame;
     struct glint_wave_job wave_job;
     glint_film *film; // the render's
-    uint32_t epoch;   // of the film
+    // Of the film. Another one when the pilot of an adaptive job is thrown away; relaxed: a reader
+    // with the old one finds no samples.
+    atomic_uint epoch;
 };
 
 struct glint_render {
@@ -69,6 +72,9 @@ struct glint_render {
     struct glint_pass_state pass;
     uint32_t target;               // sample index
     bool stopped;                  // by error
+    char *shares;                  // [film tiles] of an adaptive job, else NULL
+    const char *share;             // the same once they are decided
+    uint32_t most;                 // the largest, a is 1
     struct glint_wave_stats stats; // of all workers, added as slices come back
     double worker_seconds;
     struct glint_convergence_point curve[GLINT_CURVE_POINTS];
@@ -77,6 +83,7 @@ struct glint_render {
     uint32_t estimated;                  // samples of that
     struct glint_forecast forecast;      // from then on
     double pace[GLINT_FORECAST_PACES];   // worker seconds for a sample, of the last passes
+    double measured;                     // samples of a pixel when the last one ended
     double pass_seconds;                 // worker seconds when the last one ended
     uint32_t paces;                      // so far
     struct glint_capture *late;          // that waits for slices out: it takes their work too
@@ -115,6 +122,8 @@ void glint_render_matrices(const struct glint_view *r, float world_to_camera[16]
 
 // Index of the first sample that the job takes.
 uint32_t glint_render_first(const glint_render *r);
+// Samples of a tile that has those before index `end`.
+uint32_t glint_pass_count(const glint_render *r, uint32_t end);
 
 uint64_t glint_render_pixels(const glint_render *r);
 
@@ -143,8 +152,8 @@ void glint_render_forget(glint_render *r);
 // measure.c: the job's own estimate of its error. Of a tile which has so many samples, 2 or more: by
 // whoever holds it.
 void glint_render_measure(glint_render *r, uint32_t tile, uint32_t samples);
-// Under the mutex, when a pass has ended: of the film, with a point of the curve where one is due.
-void glint_render_measure_pass(glint_render *r, uint32_t samples);
+// Under the mutex, when the pass up to index `end` has ended: of the film, with a point of the curve where one is due.
+void glint_render_measure_pass(glint_render *r, uint32_t end);
 // Forgets all that was measured.
 void glint_render_measure_nothing(glint_render *r);
 // Under the mutex, where what was measured or asked for has changed: sets the forecast.

@@ -2,6 +2,7 @@
 #include "render/internal.h"
 
 #include "kernels/gk_film.h"
+#include "render/adaptive.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,15 +25,17 @@ void glint_render_measure(glint_render *r, uint32_t tile, uint32_t samples)
                         glint_pass_clip(y, GK_TILE_SIDE, region[3]));
 }
 
-static bool is_checkpoint(uint32_t samples)
+// At each power of two, or the first pass that ends behind one, and at 12.
+static bool is_checkpoint(const glint_render *r, uint32_t samples)
 {
-    return samples == 12 || (samples >= 2 && (samples & (samples - 1)) == 0);
+    const uint32_t last = r->points ? r->curve[r->points - 1].samples : 1;
+    return samples == 12 || (samples > last && (samples ^ last) > last);
 }
 
 static void record_point(glint_render *r, uint32_t samples)
 {
     const struct glint_wave_stats *s = &r->stats;
-    if (!is_checkpoint(samples) || r->points == GLINT_CURVE_POINTS)
+    if (!is_checkpoint(r, samples) || r->points == GLINT_CURVE_POINTS)
         return;
     r->curve[r->points++] =
         (struct glint_convergence_point){.samples = samples,
@@ -42,16 +45,19 @@ static void record_point(glint_render *r, uint32_t samples)
                                          .rays = s->camera_rays + s->bounce_rays + s->shadow_rays};
 }
 
-static void record_pace(glint_render *r)
+static void record_pace(glint_render *r, double samples)
 {
-    r->pace[r->paces++ % GLINT_FORECAST_PACES] =
-        (r->worker_seconds - r->pass_seconds) / r->pass.samples;
+    r->pace[r->paces++ % GLINT_FORECAST_PACES] = (r->worker_seconds - r->pass_seconds) / samples;
     r->pass_seconds = r->worker_seconds;
 }
 
-void glint_render_measure_pass(glint_render *r, uint32_t samples)
+void glint_render_measure_pass(glint_render *r, uint32_t end)
 {
-    record_pace(r);
+    const double now =
+        glint_adaptive_goes(r) ? glint_adaptive_mean(r, end) : end - glint_render_first(r);
+    const uint32_t samples = (uint32_t)now;
+    record_pace(r, now - r->measured);
+    r->measured = now;
     if (samples < 2)
         return;
     glint_estimate_film(&r->estimate, r->tile_estimate, glint_film_columns(r->film),
@@ -65,6 +71,7 @@ void glint_render_measure_nothing(glint_render *r)
 {
     r->estimate = (struct glint_film_estimate){.whole = {NAN, NAN, NAN, NAN, NAN}};
     r->forecast = GLINT_NO_FORECAST;
+    r->measured = r->job.adaptive && r->share ? GLINT_PILOT_SAMPLES : 0;
     r->points = r->paces = r->estimated = 0;
     r->pass_seconds = r->worker_seconds;
 }

@@ -1,11 +1,19 @@
 // pass.c - the samples of a render, given out block by block and pass by pass.
 #include "kernels/gk_film.h"
+#include "render/adaptive.h"
 #include "render/internal.h"
 #include "render/order.h"
 
 uint32_t glint_render_first(const glint_render *r)
 {
     return r->job.sample_range[0];
+}
+
+#define PILOT_FIRST GLINT_MAX_SAMPLES // indices of a pilot's samples
+
+uint32_t glint_pass_count(const glint_render *r, uint32_t end)
+{
+    return (end > PILOT_FIRST ? end - PILOT_FIRST : end) - glint_render_first(r);
 }
 
 // A wave holds 64x64 pixels once, 32x32 four times, 16x16 sixteen times. A live job's first sample
@@ -64,6 +72,22 @@ void glint_pass_begin(struct glint_render *r, uint32_t sample)
     p->spread_log2 = p->coarse ? GLINT_COARSEST_LOG2 : 0;
     p->tiles_log2 = block_size(r, p->samples);
     lay_blocks(r);
+    if (glint_adaptive_goes(r) && p->samples)
+        glint_adaptive_begin(r, sample);
+}
+
+static bool is_pilot(const struct glint_render *r)
+{
+    return r->job.adaptive && !glint_adaptive_goes(r);
+}
+
+// Index of the first sample that this pass takes of a block.
+static uint32_t first_sample(const struct glint_render *r, uint32_t column, uint32_t row)
+{
+    const uint32_t columns = (r->job.region[2] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
+    if (glint_adaptive_goes(r))
+        return glint_adaptive_taken(r, row * columns + column, r->pass.sample);
+    return r->pass.sample + (is_pilot(r) ? PILOT_FIRST : 0);
 }
 
 // The pixels between those of the step before.
@@ -107,7 +131,7 @@ static void slice_fill(const struct glint_render *r, uint32_t block, struct glin
     out->y = region[1] + row * GK_TILE_SIDE;
     out->w = glint_pass_clip(out->x, side, region[0] + region[2]);
     out->h = glint_pass_clip(out->y, side, region[1] + region[3]);
-    out->sample = r->pass.sample;
+    out->sample = first_sample(r, column, row);
     out->samples = r->pass.samples;
     out->tiles_log2 = r->pass.tiles_log2;
     out->step = r->pass.coarse ? 1u << r->pass.spread_log2 : 0;
@@ -119,6 +143,8 @@ static uint32_t next_block(struct glint_render *r)
     if (p->redos > 0)
         return p->redo[--p->redos];
     const uint32_t next = (p->start + p->next++) % p->blocks;
+    if (glint_adaptive_goes(r))
+        return p->list[next];
     return p->coarse ? r->order[p->spread_log2][next] : next;
 }
 
@@ -153,6 +179,33 @@ static uint32_t block_samples(const glint_render *r, uint32_t block, const uint3
     return samples;
 }
 
+// Tiles that take part in the pass have what they had before it or what they have after it; a render
+// without a device gives nothing out.
+static bool resume_adaptive(glint_render *r, const uint32_t *tile_samples)
+{
+    struct glint_pass_state *p = &r->pass;
+    const uint32_t columns = (r->job.region[2] + GK_TILE_SIDE - 1) / GK_TILE_SIDE;
+    const uint32_t blocks = p->blocks, end = p->sample + p->samples;
+    p->blocks = 0;
+    for (uint32_t b = blocks; b-- > 0;) {
+        uint32_t column, row;
+        block_place(r, b, &column, &row);
+        const uint32_t tile = row * columns + column, has = tile_samples[tile];
+        const uint32_t before = glint_adaptive_taken(r, tile, p->sample);
+        const uint32_t after = glint_adaptive_taken(r, tile, end);
+        if (has != before && has != after)
+            return false;
+        if (after == before)
+            continue;
+        if (has == before && p->redo)
+            p->redo[p->redos++] = b;
+        p->done += has == after;
+        p->blocks++;
+    }
+    p->next = p->blocks;
+    return true;
+}
+
 bool glint_pass_resume(glint_render *r, const struct glint_film_moment *was,
                        const uint32_t *tile_samples)
 {
@@ -164,6 +217,8 @@ bool glint_pass_resume(glint_render *r, const struct glint_film_moment *was,
     p->coarse = false;
     p->spread_log2 = 0;
     lay_blocks(r);
+    if (glint_adaptive_goes(r))
+        return resume_adaptive(r, tile_samples);
     for (uint32_t b = p->blocks; b-- > 0;) { // the last to be redone comes first
         const uint32_t samples = block_samples(r, b, tile_samples);
         if (samples == GLINT_NONE)
@@ -200,8 +255,12 @@ void glint_pass_end(struct glint_render *r)
         return;
     }
     const uint32_t end = r->pass.sample + r->pass.samples;
-    glint_render_measure_pass(r, end - glint_render_first(r));
-    glint_pass_stops(r, end);
+    const bool decides = is_pilot(r) && end == GLINT_PILOT_SAMPLES;
+    glint_render_measure_pass(r, end);
+    if (decides)
+        glint_adaptive_decide(r);
+    else
+        glint_pass_stops(r, end);
     glint_pass_begin(r, end);
 }
 
@@ -215,7 +274,7 @@ void glint_render_give_back(glint_render *r, const struct glint_slice *s, bool d
         glint_film_release_coarse(r->film, column, row, side, side, s->step);
     else
         glint_film_release(r->film, column, row, side, side,
-                           done ? s->sample + s->samples - glint_render_first(r) : 0);
+                           done ? glint_pass_count(r, s->sample + s->samples) : 0);
     if (done)
         r->pass.done++;
     else
@@ -234,16 +293,23 @@ bool glint_render_complete(const glint_render *render)
     return complete;
 }
 
+// Samples of a pixel, in the mean, when the slices out are back.
+static double reached(const glint_render *r)
+{
+    const uint32_t end = r->pass.sample + r->pass.samples;
+    return glint_adaptive_goes(r) ? glint_adaptive_mean(r, end) : end;
+}
+
 // A decision to stop is taken again where the wanted error is another.
 bool glint_render_extend(glint_render *r, uint32_t samples, double error)
 {
     pthread_mutex_lock(&r->mutex);
     struct glint_pass_state *p = &r->pass;
-    const bool fits = !r->archive && !r->job.sample_range[1] && p->sample + p->samples <= samples;
+    const bool fits = !r->archive && !r->job.sample_range[1] && reached(r) <= samples;
     if (fits) {
         r->job.stop.samples = samples;
         r->job.stop.error = error;
-        r->target = samples;
+        r->target = glint_adaptive_goes(r) ? glint_adaptive_target(r, samples) : samples;
         r->stopped = false;
         glint_render_foresee(r);
         if (p->samples == 0 && !glint_pass_stops(r, p->sample))

@@ -1,4 +1,5 @@
 // render.c - a render's life: made from a job, asked for slices, run by workers, asked how it is.
+#include "render/adaptive.h"
 #include "render/archive.h"
 #include "render/capture.h"
 #include "render/order.h"
@@ -39,8 +40,11 @@ static glint_status prepare(struct glint_render *r, glint_resident *scene,
     r->wave = calloc(glint_devices_workers(r->devices), sizeof *r->wave);
     r->tile_estimate = calloc(tiles, sizeof *r->tile_estimate);
     r->pass.redo = calloc(tiles, sizeof *r->pass.redo);
+    r->pass.list = r->job.adaptive ? calloc(tiles, sizeof *r->pass.list) : NULL;
+    r->shares = r->job.adaptive ? calloc(tiles + 1, 1) : NULL;
     if (!r->wave || !r->tile_estimate || !r->pass.redo ||
-        (glint_pass_coarsens(&r->job) && !make_coarse(r)))
+        (glint_pass_coarsens(&r->job) && !make_coarse(r)) ||
+        (r->job.adaptive && (!r->pass.list || !r->shares)))
         return glint_fail(err, GLINT_E_NOMEM, "/resolution", "no memory for %zu tiles", tiles);
     r->target = glint_render_first(r) + r->job.stop.samples;
     glint_render_measure_nothing(r);
@@ -92,6 +96,7 @@ void glint_render_forget(glint_render *r)
     r->view->epoch = glint_film_restart(r->film);
     r->target = glint_render_first(r) + r->job.stop.samples;
     r->stopped = false;
+    r->share = NULL;
     glint_render_measure_nothing(r);
     glint_pass_restart(r);
 }
@@ -130,6 +135,8 @@ void glint_render_destroy(glint_render **render)
     free(r->pass.redo);
     for (uint32_t s = 0; s < GLINT_COARSE_STEPS; s++)
         free(r->order[s]);
+    free(r->pass.list);
+    free(r->shares);
     glint_film_destroy(&r->film);
     glint_view_release(&r->view);
     glint_arena_finish(&r->job.arena);
@@ -139,7 +146,7 @@ void glint_render_destroy(glint_render **render)
 
 static void measure_block(glint_render *r, const struct glint_wave_block *b)
 {
-    const uint32_t samples = b->sample + b->samples - glint_render_first(r);
+    const uint32_t samples = glint_pass_count(r, b->sample + b->samples);
     const uint32_t columns = glint_film_columns(r->film), rows = glint_film_rows(r->film);
     const uint32_t side = 1u << b->tiles_log2;
     for (uint32_t y = b->row; samples >= 2 && y < b->row + side && y < rows; y++)
@@ -278,8 +285,15 @@ void glint_render_moment(const glint_render *r, struct glint_film_moment *out)
     out->shadow_rays = r->stats.shadow_rays;
     out->biases = r->view ? r->view->plan.biases : glint_archive_biases(r->archive);
     memcpy(out->count, r->stats.count, sizeof out->count);
+    out->shares = r->share;
     out->points = r->points;
     memcpy(out->curve, r->curve, sizeof out->curve);
+}
+
+// Samples of a pixel before those of the pass from `sample` on, of an adaptive job in the mean.
+static double samples_before(const glint_render *r, uint32_t sample)
+{
+    return glint_adaptive_goes(r) ? glint_adaptive_mean(r, sample) : sample - glint_render_first(r);
 }
 
 void glint_render_state(const glint_render *render, struct glint_render_state *out)
@@ -288,15 +302,18 @@ void glint_render_state(const glint_render *render, struct glint_render_state *o
     struct glint_film_moment now;
     pthread_mutex_lock(&r->mutex);
     const struct glint_pass_state *p = &r->pass;
-    const double partly = p->blocks ? glint_pass_share(p) * p->samples : 0.0;
+    const double partly = p->blocks ? glint_pass_share(p) : 0.0;
+    const double before = samples_before(r, p->sample);
+    const double after = samples_before(r, p->sample + p->samples);
     glint_render_moment(r, &now);
     const struct glint_forecast forecast = r->forecast;
     pthread_mutex_unlock(&r->mutex);
-    const uint32_t first = glint_render_first(r), samples = now.sample - first;
-    const uint32_t target = now.target - first;
-    *out = (struct glint_render_state){.samples = samples,
+    const double spent = before + partly * (after - before);
+    const uint32_t target =
+        r->job.adaptive ? r->job.stop.samples : now.target - glint_render_first(r);
+    *out = (struct glint_render_state){.samples = (uint32_t)before,
                                        .target_samples = target,
-                                       .progress = target ? (samples + partly) / target : 1.0,
+                                       .progress = now.complete || !target ? 1.0 : spent / target,
                                        .estimate = now.estimate,
                                        .forecast = forecast,
                                        .worker_seconds = now.worker_seconds,

@@ -1,4 +1,5 @@
 // restore.c - renders into files and back.
+#include "render/adaptive.h"
 #include "render/archive.h"
 #include "render/capture.h"
 
@@ -101,7 +102,9 @@ static void take_moment(glint_render *r, const struct glint_film_header *h)
     memcpy(r->curve, m->curve, sizeof r->curve);
     r->points = m->points;
     r->estimate = (struct glint_film_estimate){.whole = m->estimate};
-    r->estimated = m->sample - glint_render_first(r);
+    r->measured = glint_adaptive_goes(r) ? glint_adaptive_mean(r, m->sample)
+                                         : m->sample - glint_render_first(r);
+    r->estimated = (uint32_t)r->measured;
     r->forecast = GLINT_NO_FORECAST;
     r->pass_seconds = m->worker_seconds;
 }
@@ -125,6 +128,8 @@ static bool take_pass(glint_render *r, const struct glint_film_moment *m, const 
     const uint32_t end = m->sample + m->samples;
     if (!glint_pass_resume(r, m, samples))
         return false;
+    if (glint_adaptive_goes(r))
+        r->target = glint_adaptive_target(r, r->job.stop.samples);
     r->target = r->target < end ? end : r->target;
     return true;
 }
@@ -177,7 +182,10 @@ static glint_status restore(glint_render *r, const glint_film_file *file, const 
     if (st)
         return st;
     pthread_mutex_lock(&r->mutex);
-    st = take_pass(r, &h->moment, samples) ? take_tiles(r, file, samples, err) : torn_pass(err);
+    if (h->moment.shares && r->job.adaptive)
+        st = glint_adaptive_take(r, h->moment.shares, err);
+    if (!st)
+        st = take_pass(r, &h->moment, samples) ? take_tiles(r, file, samples, err) : torn_pass(err);
     if (st) {
         glint_render_forget(r);
     } else {
@@ -207,6 +215,10 @@ static glint_status fill(glint_render *r, glint_film_file **file, struct glint_e
 {
     const struct glint_film_header *h = glint_film_file_header(*file);
     glint_status st = glint_job_copy(&r->job, h->job, err);
+    if (st)
+        return st;
+    if (h->moment.shares && r->job.adaptive)
+        st = glint_adaptive_take(r, h->moment.shares, err);
     if (st)
         return st;
     r->target = h->moment.target;

@@ -233,10 +233,11 @@ static void predict_one(const struct seed *s, uint32_t number, uint32_t first, i
                                             .samples = first,
                                             .target = s->now.whole.error / divisor,
                                             .limit = GLINT_MAX_SAMPLES};
+    struct glint_forecast f;
+    glint_forecast_make(&f, &in);
     if (!glint_forecast_draw(draw, &in))
         return;
-    printf("forecast,%u,%d,%d,%.6g", number, divisor, glint_estimate_rare(&s->now.whole),
-           reached(s, in.target));
+    printf("forecast,%u,%d,%d,%.6g", number, divisor, f.lower_bound, reached(s, in.target));
     for (size_t i = 0; i < sizeof level / sizeof *level; i++)
         printf(",%.6g", draw[(int)(level[i] * (GLINT_FORECAST_DRAWS - 1) + 0.5)]);
     puts("");

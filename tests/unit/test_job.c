@@ -289,6 +289,9 @@ static void names_and_numbers_have_their_limits(void **state)
     refuse("{'scene':'a','max_bounces':1025,'seed':-1,'priority':101,'frame':1.5,'name':null}",
            "/max_bounces|/seed|/priority|/frame|/name");
     refuse("{'scene':'a','outputs':[]}", "/outputs");
+    refuse("{'scene':'a','adaptive':true,'live':true}", "/adaptive=live");
+    refuse("{'scene':'a','adaptive':true,'stop':{'samples':63}}", "/adaptive=at least 64");
+    refuse("{'scene':'a','adaptive':true,'sample_range':[0,64]}", "/adaptive=range");
     refuse("{'scene':'a','outputs':['depth','depth']}", "/outputs/1=twice");
     refuse("{'scene':'a','scene':'b'}", "/scene=more than once");
 }
@@ -330,7 +333,7 @@ static void assert_same(const struct glint_job *a, const struct glint_job *b)
     assert_memory_equal(a->dial, b->dial, sizeof a->dial);
     assert_true(a->matte_slots == b->matte_slots && a->matte_levels == b->matte_levels);
     assert_true(a->filter == b->filter && a->filter_width == b->filter_width);
-    assert_true(a->estimate == b->estimate);
+    assert_true(a->estimate == b->estimate && a->adaptive == b->adaptive);
     assert_true(a->max_bounces == b->max_bounces && a->seed == b->seed && a->frame == b->frame);
     assert_true(a->stop.samples == b->stop.samples && a->stop.seconds == b->stop.seconds);
     assert_true(a->stop.error == b->stop.error && a->priority == b->priority);
@@ -400,7 +403,7 @@ static void defaults_that_are_spelled_out_give_an_equal_job(void **state)
     char *text = glint_job_write(a), want[2048] = "";
     add(want, sizeof want,
         "{\"scene\":\"a\",\"name\":\"\",\"frame\":0,\"fps\":0,\"shutter\":[0,0],"
-        "\"live\":false,\"estimate\":\"halves\",\"max_bounces\":8,\"seed\":0,\"priority\":0,"
+        "\"live\":false,\"adaptive\":false,\"estimate\":\"halves\",\"max_bounces\":8,\"seed\":0,\"priority\":0,"
         "\"resolution\":[1280,720],\"region\":[0,0,1280,720],"
         "\"outputs\":[\"beauty\",\"crypto_object\",\"crypto_material\",\"crypto_asset\"],"
         "\"accuracy\":{");
