@@ -4,6 +4,9 @@
 // Runs of equal keys are merged before the table is touched.
 #include "kernels/gk_matte.h"
 #include "kernels/gk_wave.h"
+#ifdef GK_SHARED_TABLES
+#include "kernels/gk_matte_shared.h"
+#endif
 
 // The table of one pixel while deposits come in.
 struct gk_pixel_table {
@@ -107,6 +110,35 @@ __kernel void deposit_first(const __global float *restrict wave, const gk_u32 st
     gk_pixel_finish(&t);
 }
 
+#ifdef GK_SHARED_TABLES
+GK_INLINE void gk_path_share(__global gk_u64 *table, gk_u32 slots, gk_u32 waits, gk_u32 amount,
+                             gk_u32 policy, gk_u32 salt)
+{
+    struct gk_matte_lost lost = {0, 0};
+    if (waits == 0u || amount == 0u)
+        return;
+    gk_matte_deposit_shared(table, slots, waits & GK_WAITS_KEY, waits >> 31, amount, policy,
+                            gk_mix32(salt), &lost);
+    gk_matte_count(table + slots + GK_MATTE_LOST_PRIMARY, lost.primary);
+    gk_matte_count(table + slots + GK_MATTE_LOST_BOUNCED, lost.bounced);
+}
+
+// As below, an item for each path: several of them share a pixel.
+__kernel void deposit_carried(const __global float *restrict wave, const gk_u32 stride,
+                              const gk_u32 n, const gk_u32 pixels, __global gk_u64 *tables,
+                              const gk_u32 slots, const gk_u32 policy, const gk_u32 salt)
+{
+    const gk_u32 i = (gk_u32)get_global_id(0);
+    if (i >= n)
+        return;
+    const gk_u32 lane = GK_LOAD_U32(GK_COL_LANE, i);
+    __global gk_u64 *table = tables + (lane & (pixels - 1u)) * (slots + GK_MATTE_LOST_WORDS);
+    gk_path_share(table, slots, GK_LOAD_U32(GK_COL_DEPOSIT0, i), GK_LOAD_U32(GK_COL_AMOUNT0, i),
+                  policy, salt ^ 2u * lane);
+    gk_path_share(table, slots, GK_LOAD_U32(GK_COL_DEPOSIT1, i), GK_LOAD_U32(GK_COL_AMOUNT1, i),
+                  policy, salt ^ (2u * lane + 1u));
+}
+#else
 // Of later vertices: those of the first n paths, one item in all, because any of them may share a
 // pixel. tables: [pixels][slots + GK_MATTE_LOST_WORDS]; pixels: of the block, a power of two. salt:
 // new for each launch on a block.
@@ -125,6 +157,7 @@ __kernel void deposit_carried(const __global float *restrict wave, const gk_u32 
                         GK_LOAD_U32(GK_COL_AMOUNT1, i), policy, salt ^ (2u * lane + 1u));
     }
 }
+#endif
 #endif
 
 #ifdef GK_PATH_LIST

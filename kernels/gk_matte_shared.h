@@ -30,6 +30,14 @@ GK_INLINE gk_u64 gk_matte_cas(volatile gk_u64 *at, gk_u64 expected, gk_u64 desir
 #endif
 #endif
 
+// Adds to a word that others add to.
+GK_INLINE void gk_matte_count(GK_SHARED gk_u64 *at, gk_u64 units)
+{
+    gk_u64 was = *at, found;
+    while (units > 0u && (found = GK_MATTE_CAS(at, was, was + units)) != was)
+        was = found;
+}
+
 // Who looks for a place.
 struct gk_matte_guest {
     gk_u32 key, direct;

@@ -181,12 +181,15 @@ tests_stability_test_rays_SOURCES = tests/stability/test_rays.c $(stable)
 tests_stability_test_texture_SOURCES = tests/stability/test_texture.c $(stable)
 
 # Measurements: built and run by name.
-EXTRA_PROGRAMS += tests/accuracy/mattes tests/accuracy/strips tests/bench/embree_share tests/bench/exr_tile tests/bench/matte_overhead \
+EXTRA_PROGRAMS += tests/accuracy/mattes tests/accuracy/strips tests/accuracy/variance tests/bench/embree_share tests/bench/exr_tile tests/bench/matte_overhead \
 	tests/bench/memory tests/bench/million_scene tests/bench/stream_load
 tests_accuracy_mattes_SOURCES = tests/accuracy/mattes.c tests/accuracy/replay.c \
 	tests/accuracy/replay_chao.c tests/accuracy/replay.h $(offline)
 tests_accuracy_mattes_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_run_deposit_seen \
 	-Wl,--wrap=glint_carried_deposit
+tests_accuracy_variance_SOURCES = tests/accuracy/variance.c tests/accuracy/replay.c \
+	tests/accuracy/replay_chao.c tests/accuracy/replay.h $(offline)
+tests_accuracy_variance_LDFLAGS = $(tests_accuracy_mattes_LDFLAGS)
 tests_accuracy_strips_SOURCES = tests/accuracy/strips.c tests/accuracy/subrays.c \
 	tests/accuracy/subrays.h $(offline)
 EXTRA_PROGRAMS += tests/bench/effects tests/bench/precision

@@ -51,7 +51,8 @@ glint_status glint_run_deposit_paths(struct glint_run *r, glint_buffer *tables, 
                                      GLINT_ARG_VALUE(r->job->matte_slots),
                                      GLINT_ARG_VALUE(r->job->matte_policy),
                                      GLINT_ARG_VALUE(salt)};
-    return glint_run_launch(r, "deposit_carried", 1, args, sizeof args / sizeof *args);
+    return glint_run_launch(r, "deposit_carried", r->job->matte_shared ? n : 1, args,
+                            sizeof args / sizeof *args);
 }
 
 static uint64_t *film_table(const struct glint_film_tile *at)

@@ -122,6 +122,13 @@ static bool calls_path_list(const struct glint_effect_input *in)
     return calls_opaque_full(in) && in->job->dial[GLINT_DIAL_PATH_IDS] == GLINT_PATH_IDS_LIST;
 }
 
+// Of the devices that there are each worker has one, which runs its items one after the other.
+static bool calls_shared_tables(const struct glint_effect_input *in)
+{
+    (void)in;
+    return false;
+}
+
 static bool calls_uniform_lights(const struct glint_effect_input *in)
 {
     return in->facts->light_table && in->job->dial[GLINT_DIAL_LIGHTS] == 2;
@@ -451,6 +458,12 @@ const struct glint_effect glint_effect_table[] = {
      .source = "ALGORITHMS A, Eq. 8",
      .dial = GLINT_DIAL_PATH_IDS,
      .called = calls_path_list},
+    {.name = GLINT_EFFECT_SHARED_TABLES,
+     .cause = "a device that runs many samples of a pixel at a time, of which this daemon has none",
+     .define = "GK_SHARED_TABLES",
+     .source = "Yoshimura et al. 2022, Alg. 1, repaired",
+     .dial = NO_DIAL,
+     .called = calls_shared_tables},
 };
 const size_t glint_effect_count = sizeof glint_effect_table / sizeof *glint_effect_table;
 

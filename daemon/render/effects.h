@@ -10,6 +10,9 @@
 #include "protocol/job.h"
 #include "scene/resident.h"
 
+// Slots change by compare and swap: the same bits while none is evicted.
+#define GLINT_EFFECT_SHARED_TABLES "slot tables shared by work-items"
+
 enum glint_pass {
     GLINT_PASS_GENERATE,
     GLINT_PASS_TRACE,

@@ -25,6 +25,7 @@ struct glint_wave_job {
     glint_buffer *frame; // struct gk_frame
     uint32_t matte_slots, matte_policy;
     bool matte_through;   // deposits carried coverage
+    bool matte_shared;    // by an item for each path
     uint32_t matte_rows;  // of the list of what a path has met, 0: none is kept
     glint_program *plain; // the program without that, for waves whose paths hold none; or NULL
     uint32_t seed;

@@ -13,7 +13,7 @@ static uint64_t step(volatile uint64_t *at, uint64_t expected, uint64_t desired)
 #include <pthread.h>
 #include <string.h>
 
-enum { SLOTS = 12, FEW = 3, THREADS = 4, UPDATES = 250000 };
+enum { SLOTS = 12, FEW = 3, THREADS = 64, UPDATES = 15625 };
 
 #define BOUNCED(matte) gk_matte_of_class(matte, 1u)
 

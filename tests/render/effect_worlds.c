@@ -138,6 +138,7 @@ const struct effect_forcing effect_forcings[] = {
     {"full mattes of opaque surfaces", &effect_glass,
      "mattes through glossy lobes|mattes through bounces|ID coverage"},
     {"each matte once on a path", &effect_glass, "mattes through bounces|ID coverage"},
+    {"slot tables shared by work-items", &effect_glass, "mattes through bounces|ID coverage"},
 };
 const size_t effect_forcing_count = sizeof effect_forcings / sizeof *effect_forcings;
 
@@ -153,7 +154,8 @@ const char effect_twins[] = "float64 film|uniform light choice";
     }
 
 // Rows whose cause is no member of these scenes are asked with facts alone, below.
-const char effect_by_facts[] = "texture pools|motion|camera motion";
+const char effect_by_facts[] =
+    "texture pools|motion|camera motion|slot tables shared by work-items";
 
 const struct effect_cause effect_causes[] = {
     {"microfacet", {SKY, "'roughness':0", "", "", 24}, BEAUTY, "microfacet|" CONSTANT},

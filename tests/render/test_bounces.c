@@ -102,6 +102,32 @@ static void exact_eviction_is_what_slots_enough_give(void **state)
     finish_shot(&slots);
 }
 
+// The form for many work-items, on a device that runs them one after the other: full tables are the
+// same, too.
+static void tables_shared_by_work_items_are_those_of_an_owner(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {
+        JOB(OBJECTS ",'matte_sums'", "'through':'glossy','eviction':'exact'", SAMPLES(16)),
+        JOB(OBJECTS ",'matte_sums'", ALL "'through':'glossy','classes':true", SAMPLES(16)),
+        JOB(OBJECTS ",'matte_sums'", "'through':'delta','levels':1,'slots':4,'eviction':'drop'",
+            SAMPLES(16))};
+    const uint64_t shared = glint_effect_bit(GLINT_EFFECT_SHARED_TABLES);
+    char *text = stable_text("%s", room);
+    glint_resident *scene = offline_load_text(&things_crew, text);
+    for (size_t i = 0; i < COUNT(settings); i++) {
+        char *job = stable_text("%s", settings[i]);
+        struct glint_frame *owner = offline_frame(&things_crew, scene, job, 0),
+                           *many = offline_frame(&things_crew, scene, job, shared);
+        stable_assert_same(many, owner);
+        glint_frame_destroy(&owner);
+        glint_frame_destroy(&many);
+        free(job);
+    }
+    glint_resident_release(&scene);
+    free(text);
+}
+
 static void the_picture_and_what_is_seen_directly_are_the_same_without(void **state)
 {
     (void)state;
@@ -388,6 +414,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_sample_is_given_away_whole),
         cmocka_unit_test(exact_eviction_is_what_slots_enough_give),
+        cmocka_unit_test(tables_shared_by_work_items_are_those_of_an_owner),
         cmocka_unit_test(the_picture_and_what_is_seen_directly_are_the_same_without),
         cmocka_unit_test(reflection_and_refraction_make_what_is_seen_by_bounces),
         cmocka_unit_test(facing_mirrors_share_as_a_geometric_series),
