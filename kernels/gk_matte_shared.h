@@ -17,8 +17,11 @@
 #define GK_SHARED volatile __global
 #define GK_MATTE_CAS(at, expected, desired) \
     atom_cmpxchg((volatile __global ulong *)(at), expected, desired)
+#define GK_MATTE_READ(at) (*(at))
 #else
 #define GK_SHARED volatile
+// Relaxed: what is found is tried by compare and swap.
+#define GK_MATTE_READ(at) __atomic_load_n(at, __ATOMIC_RELAXED)
 GK_INLINE gk_u64 gk_matte_cas(volatile gk_u64 *at, gk_u64 expected, gk_u64 desired)
 {
     // Sequentially consistent: nothing else is read or written by what is found.
@@ -33,7 +36,7 @@ GK_INLINE gk_u64 gk_matte_cas(volatile gk_u64 *at, gk_u64 expected, gk_u64 desir
 // Adds to a word that others add to.
 GK_INLINE void gk_matte_count(GK_SHARED gk_u64 *at, gk_u64 units)
 {
-    gk_u64 was = *at, found;
+    gk_u64 was = GK_MATTE_READ(at), found;
     while (units > 0u && (found = GK_MATTE_CAS(at, was, was + units)) != was)
         was = found;
 }
@@ -70,7 +73,7 @@ GK_INLINE gk_i32 gk_matte_settle(GK_SHARED gk_u64 *table, gk_u32 slots,
     seen->indirect = seen->direct = GK_MATTE_NOWHERE;
     seen->indirect_slot = seen->direct_slot = 0;
     for (gk_u32 k = 0; k < slots; k++) {
-        gk_u64 slot = table[at];
+        gk_u64 slot = GK_MATTE_READ(&table[at]);
         while (gk_matte_key(slot) == g->key || slot == 0) {
             const gk_u64 full =
                 gk_matte_with(slot, g, g->key, gk_matte_direct(slot) | g->direct, &over);
