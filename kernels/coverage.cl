@@ -42,8 +42,7 @@ GK_INLINE void gk_pixel_deposit(struct gk_pixel_table *t, gk_u32 waits, gk_u32 a
     t->amount += taken;
 }
 
-GK_INLINE void gk_table_lose(__global gk_u64 *table, gk_u32 slots,
-                             const struct gk_matte_lost *lost)
+GK_INLINE void gk_table_lose(__global gk_u64 *table, gk_u32 slots, const struct gk_matte_lost *lost)
 {
     table[slots + GK_MATTE_LOST_PRIMARY] += lost->primary;
     table[slots + GK_MATTE_LOST_BOUNCED] += lost->bounced;

@@ -12,7 +12,7 @@ static const struct {
     int http, exit; // exit: sysexits.h, as far as it has a word for it
     const char *title, *problem, *meaning;
 } table[GLINT_STATUS_COUNT] = {
-    [GLINT_OK] = {200, 0, "OK", "about:blank"},
+    [GLINT_OK] = {200, 0, "OK", "about:blank", NULL},
     [GLINT_E_SYNTAX] = {400, 65, "Malformed request", "/problems/malformed",
                         "What was sent cannot be read at all: it is no HTTP, no JSON, or not the "
                         "file that it says. The detail names the place."},

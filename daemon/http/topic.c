@@ -71,8 +71,8 @@ static double number(const cJSON *job, const char *name)
 
 static char *write_progress(const cJSON *job)
 {
-    static const char *const members[] = {"state", "samples", "target_samples", "progress",
-                                          "error", "estimate", "seconds", "eta_seconds"};
+    static const char *const members[] = {"state", "samples",  "target_samples", "progress",
+                                          "error", "estimate", "seconds",        "eta_seconds"};
     cJSON *data = cJSON_CreateObject();
     for (size_t i = 0; i < sizeof members / sizeof *members; i++) {
         const cJSON *value = cJSON_GetObjectItemCaseSensitive(job, members[i]);

@@ -86,8 +86,8 @@ static glint_status generate(struct glint_run *r)
     const uint32_t stride = STRIDE;
     struct gk_wave_rect *rect = glint_buffer_host(r->wave->rect);
     *rect = (struct gk_wave_rect){
-        r->block->x,           r->block->y,      r->block->x_end,  r->block->y_end,
-        r->block->tiles_log2,  r->pixels_log2,   r->block->sample, r->lanes,
+        r->block->x,           r->block->y,       r->block->x_end,    r->block->y_end,
+        r->block->tiles_log2,  r->pixels_log2,    r->block->sample,   r->lanes,
         r->block->spread_log2, r->block->coarser, r->job->parts_log2, 0};
     const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), BUFFER(r->job->frame),
                                      BUFFER(r->wave->rect)};

@@ -231,7 +231,7 @@ static void a_key_becomes_direct_and_stays_so(void **state)
     deposit(table, SLOTS, BOUNCED(1), 1, 1, GK_MATTE_DIRECT_FIRST, 0);
     deposit(table, SLOTS, BOUNCED(1), 0, 1, GK_MATTE_DIRECT_FIRST, 0);
     assert_true(deposit(table, SLOTS, BOUNCED(500), 1, 9, GK_MATTE_DIRECT_FIRST, 0) ==
-                101); // key 2's
+                101);                                    // key 2's
     for (gk_u32 key = 501; key < 500 + SLOTS - 1; key++) // they take all that are not direct
         deposit(table, SLOTS, BOUNCED(key), 1, 200, GK_MATTE_DIRECT_FIRST, 0);
     assert_true(amount_of(table, SLOTS, BOUNCED(1)) == 102);

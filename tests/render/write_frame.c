@@ -120,10 +120,10 @@ static int write_known(const char *path, const char *compression, const char *la
     add_ranks(f, "CryptoMaterial", 2);
     add_attributes(f);
     const struct glint_exr_options options = {
-        strcmp(compression, "none") == 0  ? GLINT_EXR_NONE
-        : strcmp(compression, "zip") == 0 ? GLINT_EXR_ZIP
-                                          : GLINT_EXR_ZIPS,
-        strcmp(layout, "multipart") == 0 ? GLINT_EXR_MULTIPART : GLINT_EXR_SINGLE, 0, false};
+        .compression = strcmp(compression, "none") == 0  ? GLINT_EXR_NONE
+                       : strcmp(compression, "zip") == 0 ? GLINT_EXR_ZIP
+                                                         : GLINT_EXR_ZIPS,
+        .layout = strcmp(layout, "multipart") == 0 ? GLINT_EXR_MULTIPART : GLINT_EXR_SINGLE};
     const int bad = save(f, path, &options);
     glint_frame_destroy(&f);
     return bad;
@@ -143,8 +143,7 @@ static int copy(const char *from, const char *to)
     if (glint_exr_read(&f, bytes, size, &err))
         fail(&err);
     free(bytes);
-    const int bad =
-        save(f, to, &(struct glint_exr_options){GLINT_EXR_NONE, GLINT_EXR_SINGLE, 0, false});
+    const int bad = save(f, to, &(struct glint_exr_options){.compression = GLINT_EXR_NONE});
     glint_frame_destroy(&f);
     return bad;
 }

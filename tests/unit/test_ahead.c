@@ -343,7 +343,7 @@ static void nothing_is_left_to_compile_at_the_launch(void **state)
     setenv("GLINT_KERNELS", built, 1);
     struct glint_error err = {0};
     glint_devices *devices;
-    glint_program *program;
+    glint_program *program = NULL;
     if (glint_devices_create(&devices, 1, cache, &err) ||
         glint_program_get(&program, devices, "-DGK_LIGHTS", &err))
         fail_msg("%s", glint_error_text(&err));

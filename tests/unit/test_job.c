@@ -403,7 +403,8 @@ static void defaults_that_are_spelled_out_give_an_equal_job(void **state)
     char *text = glint_job_write(a), want[2048] = "";
     add(want, sizeof want,
         "{\"scene\":\"a\",\"name\":\"\",\"frame\":0,\"fps\":0,\"shutter\":[0,0],"
-        "\"live\":false,\"adaptive\":false,\"estimate\":\"halves\",\"max_bounces\":8,\"seed\":0,\"priority\":0,"
+        "\"live\":false,\"adaptive\":false,\"estimate\":\"halves\",\"max_bounces\":8,\"seed\":0,"
+        "\"priority\":0,"
         "\"resolution\":[1280,720],\"region\":[0,0,1280,720],"
         "\"outputs\":[\"beauty\",\"crypto_object\",\"crypto_material\",\"crypto_asset\"],"
         "\"accuracy\":{");

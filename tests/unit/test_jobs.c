@@ -68,26 +68,11 @@ static void the_description_has_the_members_of_the_protocol(void **state)
         &f, "{'scene': 's', 'camera': 'Front', 'name': 'shot', 'priority': 3, " SMALL "}");
     fixture_wait(&f, id, GLINT_JOB_DONE);
     cJSON *job = glint_jobs_describe(f.jobs, id, NULL);
-    static const char *const member[] = {"id",
-                                         "name",
-                                         "scene",
-                                         "revision",
-                                         "state",
-                                         "priority",
-                                         "samples",
-                                         "target_samples",
-                                         "progress",
-                                         "error",
-                                         "seconds",
-                                         "eta_seconds",
-                                         "worker_seconds",
-                                         "cpu_seconds",
-                                         "rays",
-                                         "invariants",
-                                         "plan",
-                                         "warnings",
-                                         "created",
-                                         "job"};
+    static const char *const member[] = {
+        "id",         "name",        "scene",          "revision",    "state",
+        "priority",   "samples",     "target_samples", "progress",    "error",
+        "seconds",    "eta_seconds", "worker_seconds", "cpu_seconds", "rays",
+        "invariants", "plan",        "warnings",       "created",     "job"};
     for (size_t i = 0; i < sizeof member / sizeof *member; i++)
         assert_true(cJSON_HasObjectItem(job, member[i]));
     assert_false(cJSON_HasObjectItem(job, "problem"));
