@@ -123,8 +123,8 @@ def test_files_that_are_no_films_are_each_named():
             file.write(bytes_[:8] + bytes([bytes_[8] + 1]) + bytes_[9:])
         run = farm.merge(film, farm / "torn.film", farm / "later.film", farm / "none.film",
                          "-o", farm / "no.exr", expect=1)
-        for reason in ("torn.film: the film is torn", "later.film: the film is of version 2",
-                       "versions up to 1", "none.film: No such file"):
+        for reason in ("torn.film: the film is torn", "later.film: the film is of version 3",
+                       "versions up to 2", "none.film: No such file"):
             assert reason in run.stderr, run.stderr
 
 
@@ -147,7 +147,7 @@ def test_the_film_of_an_ended_job_has_a_digest_and_ranges():
         again = daemon.get(path, headers={"If-None-Match": whole.headers["ETag"]})
         assert again.status == 304
         part = daemon.get(path, headers={"Range": "bytes=8-11"})
-        assert part.status == 206 and part.body == whole.body[8:12] == b"\x01\0\0\0"
+        assert part.status == 206 and part.body == whole.body[8:12] == b"\x02\0\0\0"
         assert daemon.get("/v1/jobs/nothing/film").status == 404
 
 

@@ -260,7 +260,7 @@ static void films_of_forgotten_jobs_go(void **state)
                      GLINT_E_NOT_FOUND);
 }
 
-static void a_job_that_cannot_be_read_keeps_its_film(void **state)
+static void a_job_that_cannot_be_read_has_failed_and_keeps_its_film(void **state)
 {
     (void)state;
     fake_open_gate();
@@ -271,7 +271,7 @@ static void a_job_that_cannot_be_read_keeps_its_film(void **state)
     const struct glint_statement edit = {.sql = "UPDATE job SET text='{\"later\": 1}'"};
     assert_int_equal(glint_journal_commit(glint_keeper_journal(keeper), &edit, 1, NULL), GLINT_OK);
     restart();
-    assert_null(glint_jobs_describe(f.jobs, id, NULL));
+    assert_int_equal(fixture_state(&f, id), GLINT_JOB_FAILED);
     assert_int_equal(access(film(id, 1, ""), F_OK), 0);
 }
 
@@ -341,7 +341,7 @@ int main(void)
         KEPT(a_missing_film_means_to_begin_anew),
         KEPT(an_ended_job_is_opened_from_its_film),
         KEPT(films_of_forgotten_jobs_go),
-        KEPT(a_job_that_cannot_be_read_keeps_its_film),
+        KEPT(a_job_that_cannot_be_read_has_failed_and_keeps_its_film),
         KEPT(a_paused_job_tells_its_new_stop_after_a_restart),
         KEPT(a_film_leaves_memory_for_another),
         KEPT(films_past_their_share_of_the_disk_go_oldest_first),
