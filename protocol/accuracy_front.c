@@ -75,6 +75,21 @@ static void read_point(const struct glint_json *at, struct glint_front_point *ou
     read_text(&row, out->row, sizeof out->row);
 }
 
+// What a reader is told of a front, and nothing else looks at.
+static void check_provenance(const struct glint_json *root)
+{
+    char text[128];
+    uint32_t seeds, side[2];
+    const struct glint_json scene = glint_json_member(root, "scene");
+    const struct glint_json build = glint_json_member(root, "build");
+    const struct glint_json count = glint_json_member(root, "seeds");
+    const struct glint_json resolution = glint_json_member(root, "resolution");
+    read_text(&scene, text, sizeof text);
+    read_text(&build, text, sizeof text);
+    glint_json_uint(&count, 1, UINT32_MAX, &seeds);
+    glint_json_uints(&resolution, 2, 1, UINT16_MAX, side);
+}
+
 static size_t read_length(const struct glint_json *points)
 {
     size_t count = 0;
@@ -109,6 +124,7 @@ static glint_status read_front(struct glint_front **out, const cJSON *tree, stru
     if (!front)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a front");
     read_text(&revision, front->revision, sizeof front->revision);
+    check_provenance(&root);
     if (count)
         read_points(&points, front);
     *out = front;

@@ -180,10 +180,12 @@ static glint_status read_back(glint_revision *r, struct glint_error *err)
     return GLINT_OK;
 }
 
+// What was let go is a conflict with what is wanted of it; what cannot be read any more is damage.
 static glint_status refuse(const glint_revision *r, struct glint_error *err)
 {
-    return glint_fail(err, GLINT_E_DAMAGED, "", "the scene \"%s\" cannot be loaded: %s", r->name,
-                      glint_error_text(&r->why));
+    const bool gone = r->why.status == GLINT_E_NOT_FOUND;
+    return glint_fail(err, gone ? GLINT_E_CONFLICT : GLINT_E_DAMAGED, "",
+                      "the scene \"%s\" cannot be loaded: %s", r->name, glint_error_text(&r->why));
 }
 
 // A lack of memory passes, other faults stay.
