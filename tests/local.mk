@@ -193,10 +193,9 @@ tests_accuracy_variance_LDFLAGS = $(tests_accuracy_mattes_LDFLAGS)
 tests_accuracy_strips_SOURCES = tests/accuracy/strips.c tests/accuracy/subrays.c \
 	tests/accuracy/subrays.h $(offline)
 EXTRA_PROGRAMS += tests/bench/effects tests/bench/precision
-tests_bench_precision_SOURCES = tests/bench/precision.c tests/bench/bench.c tests/bench/bench.h \
-	tests/kernel/matte_double.h $(offline)
+tests_bench_precision_SOURCES = tests/bench/precision.c tests/kernel/matte_double.h $(bench_waves)
 tests_bench_effects_SOURCES = tests/bench/effects.c tests/bench/bench.c tests/bench/bench.h \
-	$(effect_worlds)
+	tests/bench/waves.c tests/bench/waves.h $(effect_worlds)
 EXTRA_PROGRAMS += tests/bench/stages
 bench_waves = tests/bench/bench.c tests/bench/bench.h tests/bench/waves.c tests/bench/waves.h \
 	$(offline)

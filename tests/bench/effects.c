@@ -4,21 +4,19 @@
 // does not need the row is the one without the row: the same program, the same passes, checked here.
 //
 //     effects [ROW]...    all rows by default; the last line is one JSON object
-#include "base/clock.h"
 #include "device/program.h"
-#include "tests/bench/bench.h"
+#include "tests/bench/waves.h"
 #include "tests/render/effect_worlds.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { PAIRS = 11, COLUMNS = 10, ROWS = 6, SLICES = 30 };
+enum { PAIRS = 11, COLUMNS = 10, ROWS = 6 };
 
 struct bench {
     struct offline o;
     glint_worker *worker;
-    glint_render *a, *b;
 };
 
 static const uint32_t size[2] = {16 * COLUMNS, 16 * ROWS};
@@ -44,49 +42,10 @@ static glint_render *make(struct bench *b, const struct effect_world *world,
     return render;
 }
 
-// Whole waves of 16 samples of a tile, spread over the frame.
-static double run(struct bench *b, glint_render *render)
-{
-    const double start = glint_thread_cpu();
-    struct glint_error err = {0};
-    for (uint32_t s = 0; s < SLICES; s++) {
-        const uint32_t tile = s * 7 % (COLUMNS * ROWS);
-        const struct glint_slice slice = {.block = tile,
-                                          .x = tile % COLUMNS * 16,
-                                          .y = tile / COLUMNS * 16,
-                                          .w = 16,
-                                          .h = 16,
-                                          .samples = 16};
-        if (glint_render_run(render, b->worker, &slice, &err))
-            offline_die("slice", &err);
-    }
-    return glint_thread_cpu() - start;
-}
-
-static double run_a(void *user)
-{
-    struct bench *b = user;
-    return run(b, b->a);
-}
-
-static double run_b(void *user)
-{
-    struct bench *b = user;
-    return run(b, b->b);
-}
-
 // Takes both renders.
 static struct bench_ratio compare(struct bench *b, glint_render *first, glint_render *second)
 {
-    double cost_a[PAIRS], cost_b[PAIRS];
-    b->a = first;
-    b->b = second;
-    run_a(b);
-    run_b(b);
-    bench_pairs(run_a, run_b, b, cost_a, cost_b, PAIRS);
-    glint_render_destroy(&b->a);
-    glint_render_destroy(&b->b);
-    return bench_ratio_of(cost_a, cost_b, PAIRS);
+    return bench_waves_ratio(b->worker, first, second, COLUMNS, ROWS, PAIRS);
 }
 
 static void print_ratio(const char *name, struct bench_ratio r)

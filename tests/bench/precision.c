@@ -7,7 +7,7 @@
 //   fixed        deposits of coverage in fixed point over the same in double precision
 #include "base/clock.h"
 #include "protocol/exr.h"
-#include "tests/bench/bench.h"
+#include "tests/bench/waves.h"
 #include "tests/kernel/matte_double.h"
 #include "tests/render/offline.h"
 
@@ -15,13 +15,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PAIRS = 15, COLUMNS = 20, ROWS = 12, SLICES = 20, DEPOSITS = 400000, SLOTS = 12 };
+enum { PAIRS = 15, COLUMNS = 20, ROWS = 12, DEPOSITS = 400000, SLOTS = 12 };
 
 struct bench {
     struct offline o;
     struct glint_posed rest;
     glint_worker *worker;
-    glint_render *a, *b;
     const struct glint_frame *frame;
 };
 
@@ -43,37 +42,6 @@ static glint_render *make(struct bench *b, const char *dial)
     return render;
 }
 
-// Whole waves of 16 samples of a tile, spread over the frame.
-static double run(struct bench *b, glint_render *render)
-{
-    const double start = glint_thread_cpu();
-    struct glint_error err = {0};
-    for (uint32_t s = 0; s < SLICES; s++) {
-        const uint32_t tile = s * 37 % (COLUMNS * ROWS);
-        const struct glint_slice slice = {.block = tile,
-                                          .x = tile % COLUMNS * 16,
-                                          .y = tile / COLUMNS * 16,
-                                          .w = 16,
-                                          .h = 16,
-                                          .samples = 16};
-        if (glint_render_run(render, b->worker, &slice, &err))
-            offline_die("slice", &err);
-    }
-    return glint_thread_cpu() - start;
-}
-
-static double run_a(void *user)
-{
-    struct bench *b = user;
-    return run(b, b->a);
-}
-
-static double run_b(void *user)
-{
-    struct bench *b = user;
-    return run(b, b->b);
-}
-
 static void print_ratio(const char *name, struct bench_ratio r)
 {
     printf(",\"%s\":{\"ratio\":%.4f,\"low\":%.4f,\"high\":%.4f}", name, r.median, r.low, r.high);
@@ -92,11 +60,8 @@ static void compare(struct bench *b, const char *name, double (*first)(void *),
 
 static void compare_dial(struct bench *b, const char *name, const char *other, const char *exact)
 {
-    b->a = make(b, other);
-    b->b = make(b, exact);
-    compare(b, name, run_a, run_b);
-    glint_render_destroy(&b->a);
-    glint_render_destroy(&b->b);
+    print_ratio(name,
+                bench_waves_ratio(b->worker, make(b, other), make(b, exact), COLUMNS, ROWS, PAIRS));
 }
 
 // ---- output

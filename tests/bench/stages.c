@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { ROUNDS = 9, WIDE = 120, HIGH = 67 };
+enum { ROUNDS = 9 };
 
 #define CRYPTO "\"outputs\":[\"beauty\",\"crypto_object\",\"crypto_material\",\"crypto_asset\"],"
 #define ALL                                                                           \
@@ -43,21 +43,6 @@ double __wrap_glint_now(void)
     return glint_thread_cpu();
 }
 
-static glint_render *make(struct bench *b, const char *rest_of_job)
-{
-    struct glint_error err = {0};
-    char text[512];
-    glint_render *render = NULL;
-    snprintf(text, sizeof text,
-             "{\"scene\":\"s\",\"resolution\":[1920,1080],\"stop\":{\"samples\":1024},%s}",
-             rest_of_job);
-    struct glint_job *job = offline_job(text);
-    if (glint_render_create(&render, b->o.devices, b->rest.resident, b->rest.pose, job, &err))
-        offline_die("render", &err);
-    glint_job_destroy(&job);
-    return render;
-}
-
 static void run_once(struct bench *b, int v, int round)
 {
     const struct glint_wave_stats before = b->render[v]->stats;
@@ -72,7 +57,7 @@ static void run_once(struct bench *b, int v, int round)
 static void run_rounds(struct bench *b)
 {
     for (int v = 0; v < VARIANTS; v++) {
-        b->render[v] = make(b, variant[v].job);
+        b->render[v] = bench_waves_render(&b->o, &b->rest, variant[v].job);
         run_once(b, v, 0);
     }
     for (int round = 0; round < ROUNDS; round++)
@@ -124,7 +109,7 @@ int main(int argc, char **argv)
                       : offline_load_posed_text(&b.o, bench_million_scene());
     b.worker = glint_devices_worker(b.o.devices, 0);
     glint_worker_enter(b.worker);
-    bench_waves_spread(b.slice, WIDE, HIGH);
+    bench_waves_spread(b.slice, BENCH_WIDE, BENCH_HIGH);
     run_rounds(&b);
     print_table(&b);
     print_json(&b, argc > 1 ? argv[1] : "million");

@@ -29,6 +29,21 @@ struct glint_posed filmed_scene(const struct offline *o)
     return scene;
 }
 
+struct glint_posed filmed;
+
+int filmed_start(void **state)
+{
+    offline_crew_start(state);
+    filmed = filmed_scene(&offline_crew);
+    return 0;
+}
+
+int filmed_stop(void **state)
+{
+    glint_resident_release(&filmed.resident);
+    return offline_crew_finish(state);
+}
+
 glint_render *filmed_render(const struct offline *o, const struct glint_posed *scene,
                             const char *members)
 {

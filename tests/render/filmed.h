@@ -8,6 +8,11 @@
 // Glass, a lamp, something that moves, from two cameras "eye" and "side".
 struct glint_posed filmed_scene(const struct offline *o);
 
+// It, for a group of tests of offline_crew.
+extern struct glint_posed filmed;
+int filmed_start(void **state);
+int filmed_stop(void **state);
+
 // All outputs. `members`: more of the job, with ' for " and each ending with a comma.
 glint_render *filmed_render(const struct offline *o, const struct glint_posed *scene,
                             const char *members);

@@ -9,11 +9,9 @@
 #define REGION "'region':[10,6,75,50],"
 #define GLOSSY "'mattes':{'levels':4,'slots':12,'through':'glossy','classes':true},"
 
-static struct glint_posed scene;
-
 static glint_render *begin(const char *members)
 {
-    return filmed_render(&offline_crew, &scene, members);
+    return filmed_render(&offline_crew, &filmed, members);
 }
 
 // Goes on from a film without a sample: films know whole samples, so this one takes such.
@@ -222,19 +220,6 @@ static void films_of_doubles_and_batch_jobs_come_at_once(void **state)
     }
 }
 
-static int start(void **state)
-{
-    offline_crew_start(state);
-    scene = filmed_scene(&offline_crew);
-    return 0;
-}
-
-static int stop(void **state)
-{
-    glint_resident_release(&scene.resident);
-    return offline_crew_finish(state);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -245,5 +230,5 @@ int main(void)
         cmocka_unit_test(film_of_a_coarse_moment_goes_on_to_the_same_picture),
         cmocka_unit_test(films_of_doubles_and_batch_jobs_come_at_once),
     };
-    return cmocka_run_group_tests(tests, start, stop);
+    return cmocka_run_group_tests(tests, filmed_start, filmed_stop);
 }

@@ -11,7 +11,6 @@
 #define MOVES 12
 #define COUNTS 8 // of samples between passes, with none
 
-static struct glint_posed scene;
 static const uint32_t count_of[COUNTS] = {0, 1, 2, 4, 8, 12, 16, 24};
 static const char *const jobs[2] = {"'stop':{'samples':24},'live':true,",
                                     "'stop':{'samples':24},'live':true,'camera':'side',"};
@@ -53,7 +52,7 @@ static struct reference make_reference(void)
 {
     struct reference r = {0};
     for (int camera = 0; camera < 2; camera++) {
-        glint_render *render = filmed_render(&offline_crew, &scene, jobs[camera]);
+        glint_render *render = filmed_render(&offline_crew, &filmed, jobs[camera]);
         struct glint_render_state now = {0};
         for (int count = 1; count < COUNTS; count++) {
             while (now.samples < count_of[count]) {
@@ -122,7 +121,7 @@ static glint_view *view_of(struct house *h, int camera)
     job.camera_name = camera ? (char *)"side" : NULL;
     struct glint_posed posed;
     glint_view *view = NULL;
-    if (glint_posed_for(&posed, offline_crew.devices, &scene, &job, &err) ||
+    if (glint_posed_for(&posed, offline_crew.devices, &filmed, &job, &err) ||
         glint_render_move(&view, h->render, posed.resident, posed.pose, &job, &err))
         offline_die("view", &err);
     glint_resident_release(&posed.resident);
@@ -184,7 +183,7 @@ struct crowd {
 static void begin(struct crowd *c, const char *job, uint32_t restarts)
 {
     *c = (struct crowd){.house = {.restarts = restarts}};
-    c->house.render = filmed_render(&offline_crew, &scene, job);
+    c->house.render = filmed_render(&offline_crew, &filmed, job);
     pthread_mutex_init(&c->house.mutex, NULL);
     for (uint32_t i = 0; i < 2; i++) {
         c->hand[i] = (struct hand){&c->house, i};
@@ -296,19 +295,6 @@ static void films_of_a_render_that_moves_hold_one_view(void **state)
     drop_reference(&r);
 }
 
-static int start(void **state)
-{
-    offline_crew_start(state);
-    scene = filmed_scene(&offline_crew);
-    return 0;
-}
-
-static int stop(void **state)
-{
-    glint_resident_release(&scene.resident);
-    return offline_crew_finish(state);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -316,5 +302,5 @@ int main(void)
         cmocka_unit_test(frames_of_a_running_render_hold_one_moment),
         cmocka_unit_test(films_of_a_render_that_moves_hold_one_view),
     };
-    return cmocka_run_group_tests(tests, start, stop);
+    return cmocka_run_group_tests(tests, filmed_start, filmed_stop);
 }

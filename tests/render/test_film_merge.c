@@ -10,8 +10,6 @@
 #define MAX_PARTS 8
 #define ALL UINT32_MAX // slices: until it is complete
 
-static struct glint_posed scene;
-
 struct parts {
     struct glint_film_part part[MAX_PARTS];
     size_t count;
@@ -20,7 +18,7 @@ struct parts {
 static void add_part(struct parts *p, const char *members, uint32_t slices)
 {
     static const char *const name[MAX_PARTS] = {"A", "B", "C", "D", "E", "F", "G", "H"};
-    glint_render *render = filmed_render(&offline_crew, &scene, members);
+    glint_render *render = filmed_render(&offline_crew, &filmed, members);
     glint_film_file *file;
     filmed_run(&offline_crew, render, slices);
     const int fd = filmed_write(render);
@@ -64,7 +62,7 @@ static uint8_t *exr_of(const glint_film_sum *sum, size_t *size)
 // The parts, merged, make the frame of a run of `members`.
 static void check_merged(const struct parts *p, const char *members)
 {
-    glint_render *twin = filmed_render(&offline_crew, &scene, members);
+    glint_render *twin = filmed_render(&offline_crew, &filmed, members);
     struct glint_error err = {0};
     glint_film_sum *sum;
     size_t n, m;
@@ -176,8 +174,8 @@ static void sum_is_a_film_that_goes_on(void **state)
     assert_int_equal(glint_film_merge(&sum, p.part, p.count, false, NULL), GLINT_OK);
     const int fd = filmed_file();
     assert_int_equal(glint_film_sum_write(sum, fd, NULL), GLINT_OK);
-    glint_render *render = filmed_render(&offline_crew, &scene, STOP);
-    glint_render *twin = filmed_render(&offline_crew, &scene, STOP);
+    glint_render *render = filmed_render(&offline_crew, &filmed, STOP);
+    glint_render *twin = filmed_render(&offline_crew, &filmed, STOP);
     lseek(fd, 0, SEEK_SET);
     assert_int_equal(glint_render_restore(render, fd, NULL), GLINT_OK);
     close(fd);
@@ -247,7 +245,7 @@ static void gaps_are_refused_unless_that_is_wanted(void **state)
     struct glint_frame *frame, *left;
     const struct glint_film_source *source = glint_film_sum_source(sum);
     const uint32_t rect[4] = {0, 0, 50, 64}, outputs = source->info->job->outputs;
-    glint_render *part = filmed_render(&offline_crew, &scene, two[0]);
+    glint_render *part = filmed_render(&offline_crew, &filmed, two[0]);
     filmed_run(&offline_crew, part, ALL);
     assert_int_equal(glint_film_frame(source, rect, outputs, &frame, NULL, NULL), GLINT_OK);
     assert_int_equal(glint_render_frame(part, outputs, &left, NULL, NULL), GLINT_OK);
@@ -299,19 +297,6 @@ static void double_sums_are_merged_with_a_warning_where_samples_were_split(void 
     drop_parts(&p);
 }
 
-static int start(void **state)
-{
-    offline_crew_start(state);
-    scene = filmed_scene(&offline_crew);
-    return 0;
-}
-
-static int stop(void **state)
-{
-    glint_resident_release(&scene.resident);
-    return offline_crew_finish(state);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -328,5 +313,5 @@ int main(void)
         cmocka_unit_test(film_that_is_not_complete_is_refused_unless_that_is_wanted),
         cmocka_unit_test(double_sums_are_merged_with_a_warning_where_samples_were_split),
     };
-    return cmocka_run_group_tests(tests, start, stop);
+    return cmocka_run_group_tests(tests, filmed_start, filmed_stop);
 }

@@ -9,11 +9,9 @@
 #define REGION "'region':[10,6,75,50],"
 #define STOP "'stop':{'samples':24},"
 
-static struct glint_posed scene;
-
 static glint_render *begin(const char *members)
 {
-    return filmed_render(&offline_crew, &scene, members);
+    return filmed_render(&offline_crew, &filmed, members);
 }
 
 static void finish(glint_render *render)
@@ -352,19 +350,6 @@ static void ranges_together_take_the_samples_of_a_whole_run(void **state)
     glint_render_destroy(&twin);
 }
 
-static int start(void **state)
-{
-    offline_crew_start(state);
-    scene = filmed_scene(&offline_crew);
-    return 0;
-}
-
-static int stop(void **state)
-{
-    glint_resident_release(&scene.resident);
-    return offline_crew_finish(state);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -381,5 +366,5 @@ int main(void)
         cmocka_unit_test(render_that_was_offered_a_torn_film_begins_anew),
         cmocka_unit_test(ranges_together_take_the_samples_of_a_whole_run),
     };
-    return cmocka_run_group_tests(tests, start, stop);
+    return cmocka_run_group_tests(tests, filmed_start, filmed_stop);
 }
