@@ -255,12 +255,13 @@ def test_a_client_with_one_job_gets_as_much_as_one_with_many():
 
 
 def test_jobs_are_listed_by_state_and_client_a_page_at_a_time():
-    with Daemon() as daemon:
+    with Lasting() as daemon:
         daemon.put("room", ROOM)
         body = {"scene": "room", "resolution": [64, 64], "stop": {"samples": 1}}
         jobs = [daemon.post(body, {"Glint-Client": c}).json()["id"] for c in ("a", "b", "a", "a")]
         for job in jobs:
             daemon.until(job, done)
+            daemon.wait(lambda: daemon.job(job)["checkpoint"], "nothing of it is kept")
 
         def listed(query):
             answer = daemon.get(f"/v1/jobs?{query}").json()
