@@ -59,6 +59,7 @@ UNIT_TESTS = \
 	tests/unit/test_exr \
 	tests/unit/test_film \
 	tests/unit/test_film_file \
+	tests/unit/test_film_forged \
 	tests/unit/test_film_tiles \
 	tests/unit/test_folders \
 	tests/unit/test_forecast \
@@ -141,6 +142,9 @@ tests_accuracy_forecast_SOURCES = tests/accuracy/forecast.c $(offline)
 tests_render_render_file_SOURCES = tests/render/render_file.c $(offline)
 tests_render_test_camera_SOURCES = tests/render/test_camera.c $(offline) $(picture)
 tests_render_test_transport_SOURCES = tests/render/test_transport.c $(offline)
+film_bytes = tests/unit/film_bytes.c tests/unit/film_bytes.h
+tests_unit_test_film_file_SOURCES = tests/unit/test_film_file.c $(film_bytes)
+tests_unit_test_film_forged_SOURCES = tests/unit/test_film_forged.c $(film_bytes)
 tests_unit_test_film_SOURCES = tests/unit/test_film.c $(offline)
 tests_render_test_bounces_SOURCES = tests/render/test_bounces.c tests/stability/stable.c \
 	tests/stability/stable.h $(offline) $(things)
