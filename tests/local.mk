@@ -197,20 +197,25 @@ tests_accuracy_variance_LDFLAGS = $(tests_accuracy_mattes_LDFLAGS)
 tests_accuracy_strips_SOURCES = tests/accuracy/strips.c tests/accuracy/subrays.c \
 	tests/accuracy/subrays.h $(offline)
 EXTRA_PROGRAMS += tests/bench/effects tests/bench/precision
+tests_bench_precision_LDADD = libglintcli.a $(LDADD)
 tests_bench_precision_SOURCES = tests/bench/precision.c tests/kernel/matte_double.h $(bench_waves)
+tests_bench_effects_LDADD = libglintcli.a $(LDADD)
 tests_bench_effects_SOURCES = tests/bench/effects.c tests/bench/bench.c tests/bench/bench.h \
 	tests/bench/waves.c tests/bench/waves.h $(effect_worlds)
 EXTRA_PROGRAMS += tests/bench/stages
 bench_waves = tests/bench/bench.c tests/bench/bench.h tests/bench/waves.c tests/bench/waves.h \
 	$(offline)
+tests_bench_embree_share_LDADD = libglintcli.a $(LDADD)
 tests_bench_embree_share_SOURCES = tests/bench/embree_share.c $(bench_waves)
 tests_bench_embree_share_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_geometry_trace_wave \
 	-Wl,--wrap=glint_geometry_shadow_wave
 tests_bench_exr_tile_LDADD = $(PROTOCOL_LIBS)
+tests_bench_matte_overhead_LDADD = libglintcli.a $(LDADD)
 tests_bench_matte_overhead_SOURCES = tests/bench/matte_overhead.c $(bench_waves)
 tests_bench_memory_SOURCES = tests/bench/memory.c $(offline)
 tests_bench_million_scene_SOURCES = tests/bench/million_scene.c tests/bench/bench.c \
 	tests/bench/bench.h
+tests_bench_stages_LDADD = libglintcli.a $(LDADD)
 tests_bench_stages_SOURCES = tests/bench/stages.c $(bench_waves)
 tests_bench_stages_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_now
 

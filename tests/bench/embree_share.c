@@ -264,11 +264,6 @@ static struct glint_job *job_of(const struct wanted *wanted)
     return offline_job(text);
 }
 
-static glint_resident *scene_of(const struct bench *b, const char *path)
-{
-    return path ? offline_load(&b->o, path) : offline_load_text(&b->o, bench_million_scene());
-}
-
 static void print_passes(const glint_render *render)
 {
     cJSON *plan = glint_render_plan(render);
@@ -288,7 +283,7 @@ int main(int argc, char **argv)
     const struct wanted *wanted = more ? &all : &usual;
     const char *path = argc > 1 + more ? argv[1 + more] : NULL;
     offline_start(&b.o, 1);
-    glint_resident *scene = scene_of(&b, path);
+    glint_resident *scene = bench_waves_scene(&b.o, path).resident;
     struct glint_job *job = job_of(wanted);
     if (glint_render_create(&b.render, b.o.devices, scene, NULL, job, &err) ||
         glint_resident_geometry(scene, GLINT_GEOMETRY_FLAT, false, &geometry, &err))

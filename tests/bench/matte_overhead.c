@@ -29,7 +29,7 @@ int main(int argc, char **argv)
         return fprintf(stderr, "usage: matte_overhead SCENE\n"), 64;
     struct bench b = {0};
     offline_start(&b.o, 1);
-    b.rest = offline_load_posed(&b.o, argv[1]);
+    b.rest = bench_waves_scene(&b.o, argv[1]);
     b.worker = glint_devices_worker(b.o.devices, 0);
     glint_worker_enter(b.worker);
     printf("{\"bench\":\"matte-overhead\",\"scene\":\"%s\",\"pairs\":%d", argv[1], PAIRS);

@@ -105,8 +105,7 @@ int main(int argc, char **argv)
     if (argc > 2)
         return fprintf(stderr, "usage: stages [SCENE]\n"), 64;
     offline_start(&b.o, 1);
-    b.rest = argc > 1 ? offline_load_posed(&b.o, argv[1])
-                      : offline_load_posed_text(&b.o, bench_million_scene());
+    b.rest = bench_waves_scene(&b.o, argc > 1 ? argv[1] : NULL);
     b.worker = glint_devices_worker(b.o.devices, 0);
     glint_worker_enter(b.worker);
     bench_waves_spread(b.slice, BENCH_WIDE, BENCH_HIGH);

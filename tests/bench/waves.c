@@ -1,9 +1,52 @@
 #include "tests/bench/waves.h"
 
 #include "base/clock.h"
+#include "clients/cli/bundle.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
+// What is sent to a daemon, read back as it reads it.
+static struct glint_posed load_gltf(const struct offline *o, const char *path)
+{
+    struct glint_error err = {0};
+    struct glint_bundle bundle;
+    if (glint_bundle_gltf(path, &bundle, &err))
+        offline_die(path, &err);
+    if (bundle.fd < 0) {
+        size_t size;
+        uint8_t *bytes = offline_read_file(path, &size);
+        const struct glint_posed alone = offline_load_posed_source(
+            o, path,
+            &(struct glint_import_source){.type = GLINT_SCENE_GLTF, .bytes = bytes, .size = size});
+        free(bytes);
+        return alone;
+    }
+    const size_t size = (size_t)bundle.size;
+    uint8_t *body = mmap(NULL, size, PROT_READ, MAP_PRIVATE, bundle.fd, 0);
+    if (body == MAP_FAILED)
+        offline_die(path, &err);
+    const struct glint_posed posed = offline_load_posed_source(
+        o, path,
+        &(struct glint_import_source){.type = GLINT_SCENE_MULTIPART,
+                                      .bytes = body,
+                                      .size = size,
+                                      .boundary = strchr(bundle.type, '=') + 1});
+    munmap(body, size);
+    glint_bundle_finish(&bundle);
+    return posed;
+}
+
+struct glint_posed bench_waves_scene(const struct offline *o, const char *path)
+{
+    const size_t length = path ? strlen(path) : 0;
+    if (!path)
+        return offline_load_posed_text(o, bench_million_scene());
+    return length > 5 && !strcmp(path + length - 5, ".gltf") ? load_gltf(o, path)
+                                                             : offline_load_posed(o, path);
+}
 
 void bench_waves_spread(struct glint_slice slice[BENCH_WAVES], uint32_t tiles_wide,
                         uint32_t tiles_high)

@@ -7,6 +7,10 @@
 
 enum { BENCH_WAVES = 24, BENCH_WIDE = 120, BENCH_HIGH = 67 }; // tiles of 1920x1080
 
+// A scene at rest, of a .glb, a native .json or a .gltf with the files that it names; NULL: the one of
+// 904 K triangles. Released by its resident; a failure is printed and ends the program.
+struct glint_posed bench_waves_scene(const struct offline *o, const char *path);
+
 // Waves of 16 samples of 16x16 pixels, spread over a frame of tiles_wide x tiles_high tiles.
 void bench_waves_spread(struct glint_slice slice[BENCH_WAVES], uint32_t tiles_wide,
                         uint32_t tiles_high);

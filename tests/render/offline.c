@@ -40,17 +40,15 @@ static void free_import(void *import)
     glint_import_destroy(&owned);
 }
 
-static struct glint_posed load_bytes(const struct offline *o, enum glint_scene_type type,
-                                     const char *name, const uint8_t *bytes, size_t size)
+struct glint_posed offline_load_posed_source(const struct offline *o, const char *name,
+                                             const struct glint_import_source *source)
 {
     struct glint_error err = {0};
     struct glint_import *import = NULL;
     struct glint_scene *scene = NULL;
     struct glint_posed posed;
     const struct glint_import_limits limits = {(size_t)8 << 30, 60.0};
-    if (glint_import_run(o->importer,
-                         &(struct glint_import_source){.type = type, .bytes = bytes, .size = size},
-                         &limits, &import, &err) ||
+    if (glint_import_run(o->importer, source, &limits, &import, &err) ||
         glint_scene_parse(&scene, import->text, import->length, import->asset, import->assets,
                           &err) ||
         glint_scene_complete(scene, &err) ||
@@ -61,6 +59,13 @@ static struct glint_posed load_bytes(const struct offline *o, enum glint_scene_t
     for (size_t i = 0; i < import->warnings; i++)
         fprintf(stderr, "# warning: %s\n", import->warning[i]);
     return posed;
+}
+
+static struct glint_posed load_bytes(const struct offline *o, enum glint_scene_type type,
+                                     const char *name, const uint8_t *bytes, size_t size)
+{
+    return offline_load_posed_source(
+        o, name, &(struct glint_import_source){.type = type, .bytes = bytes, .size = size});
 }
 
 struct glint_posed offline_load_posed(const struct offline *o, const char *path)

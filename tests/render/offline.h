@@ -35,6 +35,9 @@ glint_resident *offline_load_text(const struct offline *o, const char *text);
 // The same at rest, with its pose; released by its resident.
 struct glint_posed offline_load_posed(const struct offline *o, const char *path);
 struct glint_posed offline_load_posed_text(const struct offline *o, const char *text);
+// name: of the source, for what is printed.
+struct glint_posed offline_load_posed_source(const struct offline *o, const char *name,
+                                             const struct glint_import_source *source);
 
 // A job from JSON text; its "scene" member is not looked at.
 struct glint_job *offline_job(const char *text);
