@@ -216,6 +216,8 @@ tests_bench_memory_SOURCES = tests/bench/memory.c $(offline)
 tests_bench_million_scene_SOURCES = tests/bench/million_scene.c tests/bench/bench.c \
 	tests/bench/bench.h
 tests_bench_stages_LDADD = libglintcli.a $(LDADD)
+EXTRA_PROGRAMS += tests/bench/peers/glint
+tests_bench_peers_glint_SOURCES = tests/bench/peers/glint.c $(offline)
 tests_bench_stages_SOURCES = tests/bench/stages.c $(bench_waves)
 tests_bench_stages_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_now
 
@@ -311,6 +313,7 @@ SCRIPT_TESTS = \
 	tests/http/test_updates.py \
 	tests/mutation/test_table.py \
 	tests/render/test_cryptomatte_node.py \
+	tests/bench/test_peers_measure.py \
 	tests/render/test_exr_readers.py \
 	tests/render/test_peers.py \
 	tests/stability/test_rows.py \
@@ -339,6 +342,13 @@ dist_check_SCRIPTS += tests/mutation/run tests/bench/effects_table
 EXTRA_DIST += docs/effects/README.md docs/effects/effects.json docs/precision/README.md \
 	docs/precision/precision.json docs/mutation/table.csv docs/mutation/table.md
 dist_check_DATA += tests/kernel/matte_double.h tests/mutation/faults.toml tests/mutation/filter.c tests/mutation/table.py
+
+dist_check_SCRIPTS += tests/bench/peers_install tests/bench/peers/peers.py
+dist_check_DATA += tests/bench/peers/crews.py tests/bench/peers/cycles_serve.py \
+	tests/bench/peers/luxcore_serve.py tests/bench/peers/measure.py \
+	tests/bench/peers/mitsuba_serve.py tests/bench/peers/neutral.py \
+	tests/bench/peers/renderers.txt tests/bench/peers/report.py tests/bench/peers/serve.py \
+	tests/bench/peers/worlds.py
 
 TEST_EXTENSIONS = .py .sh
 TAP_DRIVER = env AM_TAP_AWK='$(AWK)' $(SHELL) $(top_srcdir)/build-aux/tap-driver.sh
