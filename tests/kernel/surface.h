@@ -68,15 +68,26 @@ static inline struct gk_vec direction(double cosine, double turn)
                   (float)cosine);
 }
 
-// The white part of the energy table, and behind it those of a transmitting interface.
-static inline const float *energy_of(float ior)
+// What is known of an index: the white part of the energy table, behind it those of a transmitting
+// interface, and the mean reflectance.
+struct index_tables {
+    float ior, energy[(2 + GK_ENERGY_PARTS) * GK_ENERGY_PART], fresnel_mean;
+};
+
+// Those of the index asked for last are kept: most tests draw a million surfaces of few indices.
+static inline const struct index_tables *tables_of(float ior)
 {
-    static float table[(2 + GK_ENERGY_PARTS) * GK_ENERGY_PART];
-    memcpy(table, glint_energy_white(), GK_ENERGY_PART * sizeof *table);
-    memcpy(table + GK_ENERGY_COAT, glint_energy_interface(1.5f), GK_ENERGY_PART * sizeof *table);
-    memcpy(table + 2 * GK_ENERGY_PART, glint_energy_glass(ior),
-           GK_ENERGY_PARTS * GK_ENERGY_PART * sizeof *table);
-    return table;
+    static struct index_tables t;
+    if (ior == t.ior)
+        return &t;
+    memcpy(t.energy, glint_energy_white(), GK_ENERGY_PART * sizeof *t.energy);
+    memcpy(t.energy + GK_ENERGY_COAT, glint_energy_interface(1.5f),
+           GK_ENERGY_PART * sizeof *t.energy);
+    memcpy(t.energy + 2 * GK_ENERGY_PART, glint_energy_glass(ior),
+           GK_ENERGY_PARTS * GK_ENERGY_PART * sizeof *t.energy);
+    t.fresnel_mean = (float)exact_fresnel_mean(ior);
+    t.ior = ior;
+    return &t;
 }
 
 static inline void add_layers(struct gk_surface *s, const struct layers *l)
@@ -91,6 +102,7 @@ static inline void add_layers(struct gk_surface *s, const struct layers *l)
 
 static inline struct gk_surface make_surface_at(const struct material *m, struct gk_vec wo)
 {
+    const struct index_tables *tables = tables_of(m->ior);
     struct gk_surface s = {0};
     s.base = gk_splat(m->base);
     s.metallic = m->metallic;
@@ -98,9 +110,9 @@ static inline struct gk_surface make_surface_at(const struct material *m, struct
     s.alpha = m->roughness * m->roughness;
     s.eta = m->leaving ? 1.0f / m->ior : m->ior;
     s.inside = m->leaving;
-    s.fresnel_mean = (float)exact_fresnel_mean(m->ior);
+    s.fresnel_mean = tables->fresnel_mean;
     s.thin = m->thin;
-    s.energy = energy_of(m->ior);
+    s.energy = tables->energy;
     s.interface = 2 * GK_ENERGY_PART;
     add_layers(&s, layers_of(m));
     gk_surface_prepare(&s, wo);
