@@ -4,7 +4,9 @@
 // In the environment, for runs with fresh numbers (tests/stability/nightly):
 //   GLINT_TEST_SEED=n     seeds that go through odds_seed() and jobs of offline.h are others
 //   GLINT_TEST_SAMPLES=k  odds_samples() and the samples of those jobs are k times as many
-//   GLINT_TEST_ODDS=FILE  every z is appended: program, test, what it is of, z, its standard error
+//   GLINT_TEST_ODDS=FILE  every z is appended: program, test, what it is of, z, its standard error;
+//                         of: normal, chi2 (its upper tail), slack (and what the expectation may be
+//                         off), bound (one that the truth stays clear of)
 //
 // One sub-test fails by chance once in 10^6. It sees a bias of 7.98 standard errors in 99.9% of the
 // runs: of d at standard deviation s with n = ((4.892 + 3.09) s/d)^2 samples.
@@ -58,13 +60,24 @@ static inline void odds_report(const char *file, const char *test, const char *k
 
 // Fails unless |difference| < 4.892 error + slack. slack: what the expectation itself may be off;
 // with none the differences of many seeds are normal.
-#define assert_odds(difference, error, slack)                                                      \
+#define assert_odds(difference, error, slack) assert_odds_of(__func__, difference, error, slack)
+
+// The same in a function that tests call. test: their name.
+#define assert_odds_of(test, difference, error, slack)                                             \
     do {                                                                                           \
         const double odds_d = (difference), odds_e = (error), odds_s = (slack);                    \
-        odds_report(__FILE__, __func__, odds_s > 0 ? "slack" : "normal", odds_d / odds_e, odds_e); \
+        odds_report(__FILE__, test, odds_s > 0 ? "slack" : "normal", odds_d / odds_e, odds_e);     \
         if (!(fabs(odds_d) <= ODDS_Z * odds_e + odds_s))                                           \
             fail_msg("%s is %.9g, over %.9g + %.3g", #difference, odds_d, ODDS_Z *odds_e, odds_s); \
     } while (0)
+
+// A difference whose own test says more of a failure than its name.
+static inline void odds_note(const char *file, const char *test, const char *kind,
+                             double difference, double error)
+{
+    if (error > 0) // what has no spread is no matter of odds
+        odds_report(file, test, kind, difference / error, error);
+}
 
 // Fails unless z, of one-sided doubt, is below 4.753: too large a chi-squared.
 #define assert_odds_chi2(z)                                    \

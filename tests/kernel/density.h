@@ -97,7 +97,7 @@ static void check_density(const struct material *m, double cosine)
     if (total > 1 + 1e-4)
         fail_msg("%s, cos %g: the pdf integrates to %.6f", m->name, cosine, total);
     const double z = check_chi2(count, probability, CELLS + 1, N);
-    odds_report(__FILE__, m->name, "chi2", z, 1);
+    odds_report(__FILE__, "samples_follow_their_density", "chi2", z, 1);
     if (!(z < CHECK_Z_ONE_SIDED))
         fail_msg("%s, cos %g: chi-squared is %.1f sigma off; pdf integrates to %.6f, %.6f drawn",
                  m->name, cosine, z, total, 1 - count[CELLS] / (double)N);

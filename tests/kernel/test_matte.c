@@ -366,7 +366,7 @@ static void mattes_are_unbiased(gk_u32 policy)
             want += 1000.0 * TAKES * share[10 * part + k] / all;
         const double mean = sum[part] / ROUNDS;
         const double sd = sqrt((square[part] / ROUNDS - mean * mean) / (ROUNDS - 1));
-        assert_odds(mean - want, sd, 0);
+        assert_odds_of("unbiased_space_saving_is_unbiased", mean - want, sd, 0);
     }
 }
 

@@ -284,7 +284,7 @@ int main(void)
         cmocka_unit_test(the_sky_flows_as_the_camera_turns),
         cmocka_unit_test(a_shutter_leaves_vectors_a_frame_long),
     };
-    offline_start(&o, 0);
+    offline_start(&o, offline_workers());
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
     offline_finish(&o);
     return failed;

@@ -327,7 +327,8 @@ static void say(const char *what, struct spread s, double standard)
 
 static void assert_same_mean(struct spread a, struct spread b)
 {
-    assert_odds(a.mean - b.mean, hypot(a.error, b.error), 0);
+    assert_odds_of("error_is_near_that_of_the_true_distribution", a.mean - b.mean,
+                   hypot(a.error, b.error), 0);
 }
 
 static void the_camera_sees_no_lamp(void **state)

@@ -326,7 +326,7 @@ int main(void)
         cmocka_unit_test(a_still_shows_the_scene_as_it_is_then),
         cmocka_unit_test(an_animation_of_nothing_that_is_seen_leaves_every_bit),
     };
-    offline_start(&o, 0);
+    offline_start(&o, offline_workers());
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
     offline_finish(&o);
     return failed;

@@ -44,12 +44,18 @@ def run(program, build, workers, more):
     return found if failed or done.returncode in (0, 77) else {}
 
 
+def _workers_of(path, workers):
+    """"any" of a program that does not ask for their number."""
+    with open(path, "rb") as file:
+        return workers if b"GLINT_TEST_WORKERS" in file.read() else "any"
+
+
 def kept(program, build, workers):
     """As run(), or what an earlier call got of the program as it is; None where it is not built."""
     path = os.path.join(build, "tests", program)
-    results = f"{path}.results-{workers}.json"
     if not os.path.exists(path):
         return None
+    results = f"{path}.results-{_workers_of(path, workers)}.json"
     if not os.path.exists(results) or os.path.getmtime(results) < os.path.getmtime(path):
         found = run(program, build, workers, {})
         with open(results, "w", encoding="utf-8") as file:

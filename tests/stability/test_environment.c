@@ -81,10 +81,10 @@ static struct stable_mean plane_under_sky(double turn, const char *extra, const 
     return mean;
 }
 
-static void assert_radiance(struct stable_mean seen, double want)
+static void assert_radiance(const char *test, struct stable_mean seen, double want)
 {
     print_message("# %.4f, expected %.4f, standard error %.4f\n", seen.mean, want, seen.error);
-    assert_odds(seen.mean - want, seen.error, 2e-4 * want);
+    assert_odds_of(test, seen.mean - want, seen.error, 2e-4 * want);
     assert_true(seen.error < 0.01 * want); // importance sampling: a hundredth after 64 samples
 }
 
@@ -93,7 +93,7 @@ static void plane_under_one_bright_texel_shows_the_integral(void **state)
     (void)state;
     static const double turn[] = {M_PI, M_PI + 0.7, M_PI - 0.7, 2.2};
     for (int t = 0; t < 4; t++)
-        assert_radiance(plane_under_sky(turn[t], "", ""), irradiance(turn[t]) / M_PI);
+        assert_radiance(__func__, plane_under_sky(turn[t], "", ""), irradiance(turn[t]) / M_PI);
 }
 
 static void sky_and_lamps_add_up(void **state)
@@ -104,8 +104,8 @@ static void sky_and_lamps_add_up(void **state)
         "'lights':{'a':{'type':'sun','intensity':30},'b':{'type':'sun','intensity':41,"
         "'transform':{'rotation':[0,1,0,0]}}},";
     const double want = (irradiance(2.9) + 30.0) / M_PI;
-    assert_radiance(plane_under_sky(2.9, lights, ""), want);
-    assert_radiance(plane_under_sky(2.9, lights, "'lights':'uniform'"), want);
+    assert_radiance(__func__, plane_under_sky(2.9, lights, ""), want);
+    assert_radiance(__func__, plane_under_sky(2.9, lights, "'lights':'uniform'"), want);
 }
 
 // Where the hot texel stands in a picture that looks along -z with the given turn; -1: not in it.

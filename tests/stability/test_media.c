@@ -22,10 +22,11 @@ static struct stable_mean mean_of(char *scene, const char *job)
 }
 
 // |z| < 4.892: a false alarm in 10^6.
-static void assert_mean(struct stable_mean m, double expected, double slack)
+static void assert_mean_of(const char *test, struct stable_mean m, double expected, double slack)
 {
-    assert_odds(m.mean - expected, m.error, slack);
+    assert_odds_of(test, m.mean - expected, m.error, slack);
 }
+#define assert_mean(m, expected, slack) assert_mean_of(__func__, m, expected, slack)
 
 // ---- media
 
@@ -112,6 +113,44 @@ static void fog_of_density_zero_is_none(void **state)
     stable_assert_same(f[0], f[1]);
     glint_frame_destroy(&f[0]);
     glint_frame_destroy(&f[1]);
+}
+
+// All that has a length, times a power of two: fog and its box, smoked glass, a lens, the lamp.
+static struct glint_frame *foggy_still_life(double s)
+{
+    return stable_frame(
+        &o,
+        stable_text(
+            "{" BLACK "'materials':{'floor':{'base_color':[0.6,0.5,0.4]},'smoke':{'transmission':1,"
+            "'roughness':0.1,'attenuation_color':[0.5,0.25,0.5],'attenuation_distance':%.17g}},"
+            "'meshes':{'q':{'primitive':'quad','size':[%.17g,%.17g]},'s':{'primitive':'sphere',"
+            "'radius':%.17g,'segments':24}},"
+            "'instances':{'q':{'mesh':'q','material':'floor','transform':{'translation':"
+            "[0,0,%.17g]}},'s':{'mesh':'s','material':'smoke'}},"
+            "'lights':{'lamp':{'type':'point','intensity':%.17g,'transform':{'translation':"
+            "[0,%.17g,%.17g]}}},"
+            "'media':{'fog':{'density':%.17g,'albedo':[0.8,0.8,0.8],'g':0.5,"
+            "'box':[%.17g,%.17g,%.17g,%.17g,%.17g,%.17g]}},"
+            "'cameras':{'eye':{'yfov':0.6,'lens_radius':%.17g,'focus_distance':%.17g,"
+            "'transform':{'translation':[0,0,%.17g]}}}}",
+            0.5 * s, 9 * s, 9 * s, s, -2 * s, 40 * s * s, 3 * s, 2 * s, 0.25 / s, -2 * s, -2 * s,
+            -1.5 * s, 2 * s, 2 * s, 2 * s, 0.0625 * s, 6 * s, 6 * s),
+        stable_job("'resolution':[48,48],'max_bounces':6,'stop':{'samples':24}"));
+}
+
+static void fog_and_lenses_of_any_scale_keep_their_bits(void **state)
+{
+    (void)state;
+    struct glint_frame *unit = foggy_still_life(1.0);
+    assert_true(stable_mean(unit, "G").mean > 0.01);
+    for (int k = -20; k <= 20; k += 20) {
+        struct glint_frame *f = foggy_still_life(ldexp(1.0, k ? k : 10));
+        const size_t equal = stable_equal(unit, f, "G");
+        print_message("# 2^%d: %zu of %zu pixels equal\n", k ? k : 10, equal, stable_pixels(f));
+        assert_true(equal >= stable_pixels(f) * 9999 / 10000);
+        glint_frame_destroy(&f);
+    }
+    glint_frame_destroy(&unit);
 }
 
 static void impenetrable_fog_ends(void **state)
@@ -329,7 +368,7 @@ static void an_orthographic_camera_shows_the_same_size_at_any_distance(void **st
 static int start(void **state)
 {
     (void)state;
-    offline_start(&o, 0);
+    offline_start(&o, offline_workers());
     return 0;
 }
 
@@ -348,6 +387,7 @@ int main(void)
         cmocka_unit_test(fog_scatters_the_sun_once_as_the_integral_says),
         cmocka_unit_test(white_fog_in_white_light_is_invisible),
         cmocka_unit_test(fog_of_density_zero_is_none),
+        cmocka_unit_test(fog_and_lenses_of_any_scale_keep_their_bits),
         cmocka_unit_test(impenetrable_fog_ends),
         cmocka_unit_test(a_solid_takes_what_beer_says),
         cmocka_unit_test(what_is_inside_a_solid_is_seen_through_its_part),
