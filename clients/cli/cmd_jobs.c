@@ -12,15 +12,11 @@
 #define MAX_WATCHED 1000
 
 static const struct glint_column row[] = {
-    {"JOB", "id", GLINT_COLUMN_TEXT},
-    {"STATE", "state", GLINT_COLUMN_TEXT},
-    {"DONE", "progress", GLINT_COLUMN_PERCENT},
-    {"SAMPLES", "samples", GLINT_COLUMN_TEXT},
-    {"ERROR", "error", GLINT_COLUMN_NUMBER},
-    {"TIME", "seconds", GLINT_COLUMN_SECONDS},
-    {"SCENE", "scene", GLINT_COLUMN_TEXT},
-    {"NAME", "name", GLINT_COLUMN_TEXT},
-    {0},
+    {"JOB", "id", GLINT_COLUMN_TEXT},           {"STATE", "state", GLINT_COLUMN_TEXT},
+    {"DONE", "progress", GLINT_COLUMN_PERCENT}, {"SAMPLES", "samples", GLINT_COLUMN_TEXT},
+    {"ERROR", "error", GLINT_COLUMN_NUMBER},    {"SOUND", "invariants/sound", GLINT_COLUMN_TEXT},
+    {"TIME", "seconds", GLINT_COLUMN_SECONDS},  {"SCENE", "scene", GLINT_COLUMN_TEXT},
+    {"NAME", "name", GLINT_COLUMN_TEXT},        {0},
 };
 
 static const struct glint_column one[] = {
@@ -34,6 +30,7 @@ static const struct glint_column one[] = {
     {"error", "error", GLINT_COLUMN_NUMBER},
     {"seconds", "seconds", GLINT_COLUMN_SECONDS},
     {"left", "eta_seconds", GLINT_COLUMN_SECONDS},
+    {"sound", "invariants/sound", GLINT_COLUMN_TEXT},
     {"problem", "problem/detail", GLINT_COLUMN_TEXT},
     {0},
 };
@@ -46,6 +43,7 @@ static void print_job(struct glint_session *s, cJSON *job)
     }
     glint_table_print_one(one, job);
     glint_outlook_print(cJSON_GetObjectItemCaseSensitive(job, "estimate"));
+    glint_table_print_texts("warning", cJSON_GetObjectItemCaseSensitive(job, "warnings"));
     cJSON_Delete(job);
 }
 

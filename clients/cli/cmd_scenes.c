@@ -29,19 +29,6 @@ static const struct glint_column one[] = {
     {0},
 };
 
-static void print_texts(const char *title, const cJSON *texts)
-{
-    const cJSON *text;
-    cJSON_ArrayForEach(text, texts) {
-        const char *name = cJSON_GetStringValue(text);
-        if (!name)
-            name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(text, "name"));
-        printf("%s: ", title);
-        glint_print_plain(stdout, name ? name : "-");
-        putchar('\n');
-    }
-}
-
 static void print_scene(struct glint_session *s, cJSON *scene)
 {
     if (s->json) {
@@ -49,9 +36,9 @@ static void print_scene(struct glint_session *s, cJSON *scene)
         return;
     }
     glint_table_print_one(one, scene);
-    print_texts("camera", cJSON_GetObjectItemCaseSensitive(scene, "cameras"));
-    print_texts("animation", cJSON_GetObjectItemCaseSensitive(scene, "animations"));
-    print_texts("warning", cJSON_GetObjectItemCaseSensitive(scene, "warnings"));
+    glint_table_print_texts("camera", cJSON_GetObjectItemCaseSensitive(scene, "cameras"));
+    glint_table_print_texts("animation", cJSON_GetObjectItemCaseSensitive(scene, "animations"));
+    glint_table_print_texts("warning", cJSON_GetObjectItemCaseSensitive(scene, "warnings"));
     cJSON_Delete(scene);
 }
 

@@ -109,3 +109,16 @@ void glint_table_print_one(const struct glint_column *column, const cJSON *objec
         putchar('\n');
     }
 }
+
+void glint_table_print_texts(const char *title, const cJSON *texts)
+{
+    const cJSON *text;
+    cJSON_ArrayForEach(text, texts) {
+        const char *name = cJSON_GetStringValue(text);
+        if (!name)
+            name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(text, "name"));
+        printf("%s: ", title);
+        glint_print_plain(stdout, name ? name : "-");
+        putchar('\n');
+    }
+}

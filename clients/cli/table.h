@@ -26,4 +26,7 @@ void glint_table_print(const struct glint_column *column, const cJSON *rows);
 // "title: value" for each column that the object has.
 void glint_table_print_one(const struct glint_column *column, const cJSON *object);
 
+// "title: text" for each member of an array of texts, or of objects with a "name".
+void glint_table_print_texts(const char *title, const cJSON *texts);
+
 #endif

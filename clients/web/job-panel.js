@@ -22,6 +22,7 @@ const ROWS = [
     ["Time", (j) => seconds(j.seconds) + (j.eta_seconds && !j.job?.live && !ended(j.state) ? `, ${seconds(j.eta_seconds)} left` : "")],
     ["Worker time", (j) => seconds(j.worker_seconds)],
     ["Rays", (j) => (j.rays ? short(j.rays.camera + j.rays.bounce + j.rays.shadow) : "–")],
+    ["Sound", (j) => (j.invariants?.sound === false ? "no: more than one sample in a million was rejected" : null)],
     ["Rejected samples", (j) => (rejected(j.invariants) ? count(rejected(j.invariants)) : null)],
     ["Coverage without a slot", (j) => (j.invariants?.coverage_lost ? `${number(100 * j.invariants.coverage_lost)} %` : null)],
     ["Resolution", (j) => (j.job?.resolution ? j.job.resolution.join(" × ") : "–")],
@@ -98,8 +99,9 @@ export class JobPanel {
         put(this.end, over ? "Forget" : "Cancel");
         this.problem.replaceChildren(...(job.problem ? [h("div.problem", {}, h("b", {}, job.problem.title),
             ...describeProblem({ ...job.problem, message: job.problem.detail }))] : []));
-        if (this.warnings.children.length !== job.warnings?.length)
-            this.warnings.replaceChildren(...(job.warnings ?? []).map((text) => h("li", {}, text)));
+        const warnings = job.warnings ?? [];
+        if (warnings.join("\n") !== [...this.warnings.children].map((li) => li.textContent).join("\n"))
+            this.warnings.replaceChildren(...warnings.map((text) => h("li", {}, text)));
         put(this.text, JSON.stringify(job.job, null, 1));
     }
 

@@ -71,6 +71,25 @@ def test_a_submission_prints_the_job_and_returns():
         assert {"room", "other"} == {s["name"] for s in house.document("scenes")["scenes"]}
 
 
+def test_a_job_that_is_not_sound_says_so_wherever_it_is_told_of():
+    """Nine glasses, one in the other, are one more than a sample knows of."""
+    balls = {str(n): {"mesh": "b", "material": "g", "transform": {"scale": [n, n, n]}}
+             for n in range(1, 10)}
+    with House() as house:
+        house.daemon.put("nine", {
+            "environment": {"radiance": [1, 1, 1]}, "meshes": {"b": {"primitive": "sphere"}},
+            "materials": {"g": {"transmission": 1, "roughness": 0, "priority": 1}}, "instances": balls,
+            "cameras": {"eye": {"yfov": 0.8, "transform": {"translation": [0, 0, 30]}}}})
+        sound, job = (house.glint("submit", scene, *SMALL).stdout.strip() for scene in ("room", "nine"))
+        watched = house.glint("watch", job).stdout
+        assert "sound: no" in watched and "in too many nested solids" in watched, watched
+        assert "sound: no" in house.glint("jobs", job).stdout
+        assert "sound: yes" in house.glint("watch", sound).stdout
+        head, *lines = house.glint("jobs").stdout.splitlines()
+        told = {line.split()[0]: line.split()[head.split().index("SOUND")] for line in lines}
+        assert told == {sound: "yes", job: "no"}, told
+
+
 def test_a_submission_starts_no_daemon_of_its_own():
     with House() as house, cli.Silence() as silent:
         run = cli.glint("submit", house.write("other.json", ROOM), server=silent)

@@ -185,14 +185,17 @@ def test_names_in_paths_are_escaped():
 
 def test_lists_are_tables_and_with_json_what_the_daemon_said():
     jobs = {"jobs": [{"id": "j1", "state": "rendering", "progress": 0.25, "samples": 16,
-                      "error": 0.5, "seconds": 1.5, "scene": "a", "name": "shot"},
+                      "error": 0.5, "seconds": 1.5, "scene": "a", "name": "shot",
+                      "invariants": {"sound": True}},
                      {"id": "j2", "state": "queued"}]}
     with FakeDaemon() as daemon:
         daemon.on("GET", "/v1/jobs", Answer(200, jobs))
         lines = cli.glint("jobs", server=daemon.url).stdout.splitlines()
-        assert lines[0].split() == ["JOB", "STATE", "DONE", "SAMPLES", "ERROR", "TIME", "SCENE", "NAME"]
-        assert lines[1].split() == ["j1", "rendering", "25.0%", "16", "0.5", "1.5", "s", "a", "shot"]
-        assert lines[2].split() == ["j2", "queued"] + ["-"] * 6
+        assert lines[0].split() == ["JOB", "STATE", "DONE", "SAMPLES", "ERROR", "SOUND", "TIME", "SCENE",
+                                    "NAME"]
+        assert lines[1].split() == ["j1", "rendering", "25.0%", "16", "0.5", "yes", "1.5", "s", "a",
+                                    "shot"]
+        assert lines[2].split() == ["j2", "queued"] + ["-"] * 7
         assert json.loads(cli.glint("jobs", "--json", server=daemon.url).stdout) == jobs
 
 
