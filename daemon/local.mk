@@ -219,6 +219,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/data_uri.h \
 	daemon/scene/energy.c \
 	daemon/scene/energy.h \
+	daemon/scene/energy_rows.c \
+	daemon/scene/energy_rows.h \
 	daemon/scene/curvature.c \
 	daemon/scene/curvature.h \
 	daemon/scene/edit.c \
@@ -347,7 +349,17 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/words.c \
 	daemon/scene/words.h
 nodist_libglintdaemon_a_SOURCES = clients/web/embedded.c kernels/embedded.c protocol/contract.c \
-	daemon/jobs/fronts.c
+	daemon/jobs/fronts.c daemon/scene/energy_tables.c
+
+# What the scenes of most people ask of gk_energy.h, integrated once, when the daemon is built.
+noinst_PROGRAMS = energy-usual
+energy_usual_SOURCES = daemon/scene/energy_rows.c daemon/scene/energy_usual.c
+energy_usual_LDADD = -lm
+
+daemon/scene/energy_tables.c: energy-usual$(EXEEXT)
+	$(AM_V_GEN)$(MKDIR_P) daemon/scene && ./energy-usual$(EXEEXT) >$@.t && mv $@.t $@
+
+CLEANFILES += daemon/scene/energy_tables.c
 
 # What accuracy costs in scenes of each class, as `glint accuracy` measured it: docs/accuracy.
 class_fronts = \

@@ -2,12 +2,9 @@
 
 #include "base/thread.h"
 #include "render/common.h"
-#include "scene/energy.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-#define USUAL_IOR 1.5f
 
 struct glint_warm {
     glint_devices *devices;
@@ -26,8 +23,6 @@ static void *run(void *arg)
     const glint_warm *w = arg;
     char options[GLINT_COMMON_OPTIONS];
     glint_program_recall(w->devices);
-    glint_energy_white();
-    glint_energy_glass(USUAL_IOR);
     bool idle = is_wanted() && glint_program_foresee_known(w->devices);
     for (size_t i = 0; idle && i < glint_common_variant(i, options); i++)
         idle = glint_program_foresee(w->devices, options);

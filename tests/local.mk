@@ -56,6 +56,7 @@ UNIT_TESTS = \
 	tests/unit/test_device \
 	tests/unit/test_dials \
 	tests/unit/test_edit \
+	tests/unit/test_energy \
 	tests/unit/test_exr \
 	tests/unit/test_film \
 	tests/unit/test_film_file \

@@ -1,163 +1,72 @@
 #include "scene/energy.h"
 
-#include "kernels/gk_energy.h"
-#include "kernels/gk_fresnel.h"
-#include "kernels/gk_ggx.h"
+#include "base/thread.h"
+#include "scene/energy_rows.h"
 
-#include <pthread.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <string.h>
+#include <unistd.h>
 
-#define SIDE GK_ENERGY_SIDE
-#define STEPS 640 // 1.5 is step 128
-
-// Fibonacci lattice: the error is a tenth of that of a grid with as many points, for light that
-// leaves below the horizon cuts a grid along its lines. 5e-4 of the albedo.
-#define POINTS 1597u
-#define STEP 987u
-#define FEWER_POINTS 610u // 1e-3, for what a transmitting interface has besides
-#define FEWER_STEP 377u
+#define STEPS GLINT_ENERGY_STEPS
+#define MOST_HELPERS 7
 
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER; // guards what is below
-static bool made[STEPS + 1];                              // the last is white
-static float table[STEPS + 1][GK_ENERGY_PART];
+static bool made[STEPS];
+static float table[STEPS][GK_ENERGY_PART];
 static bool made_glass[STEPS];
 static float glass[STEPS][GK_ENERGY_PARTS * GK_ENERGY_PART];
 
-// What the visible normal of the numbers (u, v) reflects: G2/G1, times F. ior 0: F is 1.
-static double reflected(struct gk_vec wo, float alpha, float ior, float u, float v)
-{
-    const struct gk_vec h = gk_ggx_sample(wo, alpha, u, v);
-    const float cos_m = gk_saturate(gk_dot(wo, h));
-    const double zi = 2.0 * (double)cos_m * (double)h.z - (double)wo.z;
-    if (zi <= 0.0)
-        return 0.0;
-    const float a2 = alpha * alpha;
-    const double so = gk_ggx_s(wo.z, a2), si = gk_ggx_s((float)zi, a2), zo = wo.z;
-    const double fresnel = ior > 0.0f ? (double)gk_fresnel_dielectric(cos_m, ior) : 1.0;
-    return fresnel * zi * (zo + so) / (so * zi + si * zo);
-}
+// ---- rows, by all cores
 
-// Integrates over the two numbers that choose a visible normal; half a turn, for the lobe is
-// symmetric.
-static float albedo(float cosine, float alpha, float ior)
-{
-    const float sine = sqrtf(fmaxf(1.0f - cosine * cosine, 0.0f));
-    const struct gk_vec wo = gk_vec(sine, 0.0f, cosine);
-    double sum = 0.0;
-    for (uint32_t i = 0; i < POINTS; i++)
-        sum += reflected(wo, alpha, ior, 0.5f * ((float)i + 0.5f) / (float)POINTS,
-                         ((float)(i * STEP % POINTS) + 0.5f) / (float)POINTS);
-    return (float)(sum / POINTS);
-}
+typedef void row_fn(float *parts, float ior, int y);
 
-// 2 Int E c dc of the row as kernels interpolate it: linear in x = sqrt(c), so 4 x^3 dx.
-static float row_mean(const float *row)
-{
-    double sum = 0.0;
-    const double h = 1.0 / (SIDE - 1);
-    for (int i = 0; i + 1 < SIDE; i++) {
-        const double x = i * h, y = x + h, slope = ((double)row[i + 1] - (double)row[i]) / h;
-        const double start = (double)row[i] - slope * x;
-        sum += start * (pow(y, 4) - pow(x, 4)) + slope * 0.8 * (pow(y, 5) - pow(x, 5));
-    }
-    return (float)sum;
-}
-
-static void fill_part(float *part, float ior)
-{
-    for (int y = 0; y < SIDE; y++) {
-        float *row = part + (size_t)y * SIDE;
-        const float root = (float)y / (SIDE - 1), alpha = root * root;
-        for (int x = 0; x < SIDE; x++) {
-            const float edge = (float)x / (SIDE - 1), cosine = fmaxf(edge * edge, 1e-6f);
-            const float smooth = ior > 0.0f ? gk_fresnel_dielectric(cosine, ior) : 1.0f;
-            row[x] = y > 0 ? albedo(cosine, alpha, ior) : smooth;
-        }
-        part[SIDE * SIDE + y] = row_mean(row);
-    }
-}
-
-// G2/G1 of GGX for light that leaves under zi, 0 at and below the horizon.
-static double passed_on(double zo, double zi, float alpha)
-{
-    if (zi <= 0.0)
-        return 0.0;
-    const float a2 = alpha * alpha;
-    const double so = gk_ggx_s((float)zo, a2), si = gk_ggx_s((float)zi, a2);
-    return zi * (zo + so) / (so * zi + si * zo);
-}
-
-struct pair {
-    double reflect, other;
+struct rows {
+    row_fn *fill;
+    float *parts;
+    float ior;
+    atomic_int next; // relaxed: a row is whose turn it was; the join publishes it
 };
 
-// Of one visible normal: what is reflected and what is refracted.
-static struct pair refracted(struct gk_vec wo, struct gk_vec h, float alpha, float eta)
+static void *take_rows(void *arg)
 {
-    const float cos_m = gk_saturate(gk_dot(wo, h)), f = gk_fresnel_dielectric(cos_m, eta);
-    const double up = 2.0 * (double)cos_m * (double)h.z - (double)wo.z;
-    const double down = -(double)gk_refract(wo, h, cos_m, eta).z;
-    const double reflect = (double)f * passed_on((double)wo.z, up, alpha);
-    const double refract = (double)(1.0f - f) * passed_on((double)wo.z, down, alpha);
-    return (struct pair){reflect, reflect + refract};
+    struct rows *r = arg;
+    for (int y;
+         (y = atomic_fetch_add_explicit(&r->next, 1, memory_order_relaxed)) < GK_ENERGY_SIDE;)
+        r->fill(r->parts, r->ior, y);
+    return NULL;
 }
 
-// Of one visible normal: what gk_scatter.h lets through.
-static struct pair scattered(struct gk_vec wo, struct gk_vec h, float alpha, float eta)
+// Where no thread is to be had the caller does all of it.
+static void fill(row_fn *row, float *parts, float ior)
 {
-    const float cos_m = gk_saturate(gk_dot(wo, h));
-    const double zi = 2.0 * (double)cos_m * (double)h.z - (double)wo.z;
-    const float least = fminf(cos_m, fminf(wo.z, gk_saturate((float)zi)));
-    const double share = 1.0 - (double)gk_fresnel_dielectric(least, eta);
-    return (struct pair){0.0, share * passed_on((double)wo.z, zi, alpha)};
+    struct rows r = {.fill = row, .parts = parts, .ior = ior};
+    pthread_t helper[MOST_HELPERS];
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    int helpers = 0;
+    while (helpers < MOST_HELPERS && helpers + 1 < cores &&
+           !glint_thread_start(&helper[helpers], "energy", take_rows, &r, NULL))
+        helpers++;
+    take_rows(&r);
+    while (helpers > 0)
+        pthread_join(helper[--helpers], NULL);
 }
 
-typedef struct pair facet_fn(struct gk_vec wo, struct gk_vec h, float alpha, float eta);
+// ---- parts
 
-static struct pair mean_pair(facet_fn *facet, float cosine, float alpha, float eta)
+static int usual_step(void)
 {
-    const struct gk_vec wo = gk_vec(sqrtf(fmaxf(1.0f - cosine * cosine, 0.0f)), 0.0f, cosine);
-    struct pair sum = {0.0, 0.0};
-    for (uint32_t i = 0; i < FEWER_POINTS; i++) {
-        const float u = 0.5f * ((float)i + 0.5f) / (float)FEWER_POINTS;
-        const float v = ((float)(i * FEWER_STEP % FEWER_POINTS) + 0.5f) / (float)FEWER_POINTS;
-        const struct pair one = facet(wo, gk_ggx_sample(wo, alpha, u, v), alpha, eta);
-        sum.reflect += one.reflect;
-        sum.other += one.other;
-    }
-    return (struct pair){sum.reflect / FEWER_POINTS, sum.other / FEWER_POINTS};
-}
-
-// Nothing asks for the mean albedos of these parts.
-static void fill_pair(facet_fn *facet, float eta, float *reflect, float *other)
-{
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        const float x = (float)(i % SIDE) / (SIDE - 1), y = (float)(i / SIDE) / (SIDE - 1);
-        const float cosine = fmaxf(x * x, 1e-6f), f = gk_fresnel_dielectric(cosine, eta);
-        struct pair p = {(double)f, facet == scattered ? (double)(1.0f - f) : 1.0};
-        if (y > 0.0f)
-            p = mean_pair(facet, cosine, y * y, eta);
-        if (reflect)
-            reflect[i] = (float)p.reflect;
-        other[i] = (float)p.other;
-    }
-}
-
-static void fill_glass(float *parts, const float *outside, float ior)
-{
-    memcpy(parts, outside, GK_ENERGY_PART * sizeof *parts);
-    fill_pair(refracted, ior, NULL, parts + GK_ENERGY_BOTH);
-    float *inside = parts + GK_ENERGY_INSIDE;
-    fill_pair(refracted, 1.0f / ior, inside, inside + GK_ENERGY_BOTH);
-    fill_pair(scattered, ior, NULL, parts + GK_ENERGY_SCATTER);
+    float taken;
+    return glint_energy_step(GLINT_ENERGY_USUAL, &taken);
 }
 
 static const float *part_of(int step, float ior)
 {
+    if (step == usual_step())
+        return glint_energy_usual_glass;
     pthread_mutex_lock(&mutex);
     if (!made[step])
-        fill_part(table[step], ior);
+        fill(glint_energy_part_row, table[step], ior);
     made[step] = true;
     pthread_mutex_unlock(&mutex);
     return table[step];
@@ -165,33 +74,28 @@ static const float *part_of(int step, float ior)
 
 const float *glint_energy_white(void)
 {
-    return part_of(STEPS, 0.0f);
-}
-
-static int step_of(float ior, float *taken)
-{
-    const float root = (ior - 1.0f) / (ior + 1.0f);
-    const int step = (int)gk_clamp(rintf(root * STEPS), 0.0f, STEPS - 1);
-    const float nearest = (float)step / STEPS;
-    *taken = (1.0f + nearest) / (1.0f - nearest);
-    return step;
+    return glint_energy_usual_white;
 }
 
 const float *glint_energy_interface(float ior)
 {
     float taken;
-    const int step = step_of(ior, &taken);
+    const int step = glint_energy_step(ior, &taken);
     return part_of(step, taken);
 }
 
 const float *glint_energy_glass(float ior)
 {
     float taken;
-    const int step = step_of(ior, &taken);
+    const int step = glint_energy_step(ior, &taken);
+    if (step == usual_step())
+        return glint_energy_usual_glass;
     const float *outside = part_of(step, taken);
     pthread_mutex_lock(&mutex);
-    if (!made_glass[step])
-        fill_glass(glass[step], outside, taken);
+    if (!made_glass[step]) {
+        memcpy(glass[step], outside, sizeof table[step]);
+        fill(glint_energy_glass_row, glass[step], taken);
+    }
     made_glass[step] = true;
     pthread_mutex_unlock(&mutex);
     return glass[step];

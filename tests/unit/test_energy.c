@@ -1,0 +1,75 @@
+// test_energy.c - the tables that are built in, and those that cores share the work of.
+#include "scene/energy.h"
+#include "scene/energy_rows.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#define WATER 1.33f
+
+// The row by itself, in the thread of the test.
+static void assert_row(const float *parts, float ior, int y)
+{
+    static float whole[GK_ENERGY_PARTS * GK_ENERGY_PART];
+    glint_energy_part_row(whole, ior, y);
+    const size_t first = (size_t)y * GK_ENERGY_SIDE, bytes = GK_ENERGY_SIDE * sizeof *whole;
+    const size_t mean = GK_ENERGY_SIDE * GK_ENERGY_SIDE + (size_t)y;
+    assert_memory_equal(parts + first, whole + first, bytes);
+    assert_memory_equal(parts + mean, whole + mean, sizeof *whole);
+}
+
+static void assert_glass_row(const float *parts, float ior, int y)
+{
+    static float whole[GK_ENERGY_PARTS * GK_ENERGY_PART];
+    static const uint32_t part[] = {GK_ENERGY_BOTH, GK_ENERGY_INSIDE,
+                                    GK_ENERGY_INSIDE + GK_ENERGY_BOTH, GK_ENERGY_SCATTER};
+    glint_energy_glass_row(whole, ior, y);
+    for (size_t p = 0; p < sizeof part / sizeof *part; p++) {
+        const size_t first = part[p] + (size_t)y * GK_ENERGY_SIDE;
+        assert_memory_equal(parts + first, whole + first, GK_ENERGY_SIDE * sizeof *whole);
+    }
+}
+
+static void what_is_built_in_is_what_the_integrals_give(void **state)
+{
+    (void)state;
+    for (int y = 0; y < GK_ENERGY_SIDE; y += 5) {
+        assert_row(glint_energy_white(), 0.0f, y);
+        assert_row(glint_energy_interface(1.5f), 1.5f, y);
+        assert_glass_row(glint_energy_glass(1.5f), 1.5f, y);
+    }
+}
+
+static void what_many_cores_make_is_what_one_makes(void **state)
+{
+    float ior;
+    (void)state;
+    glint_energy_step(WATER, &ior);
+    const float *water = glint_energy_glass(WATER);
+    for (int y = 0; y < GK_ENERGY_SIDE; y += 5) {
+        assert_row(water, ior, y);
+        assert_glass_row(water, ior, y);
+    }
+}
+
+static void an_interface_is_made_once(void **state)
+{
+    (void)state;
+    assert_ptr_equal(glint_energy_interface(1.5f), glint_energy_glass(1.5f));
+    assert_ptr_equal(glint_energy_interface(1.7f), glint_energy_interface(1.7f));
+    assert_ptr_not_equal(glint_energy_interface(1.7f), glint_energy_white());
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_built_in_is_what_the_integrals_give),
+        cmocka_unit_test(what_many_cores_make_is_what_one_makes),
+        cmocka_unit_test(an_interface_is_made_once),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
