@@ -15,6 +15,7 @@
 #include "arena.h"
 #include "status.h"
 
+#include <cjson/cJSON.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -282,6 +283,14 @@ glint_status glint_scene_parse(struct glint_scene **out, const char *text, size_
 glint_status glint_scene_parse_from(struct glint_scene **out, const char *text, size_t length,
                                     const struct glint_asset *asset, size_t assets,
                                     const struct glint_scene *checked, struct glint_error *err);
+
+// The two halves of glint_scene_parse(), for who changes something in between: the text within the
+// limits of a scene, *out freed by cJSON_Delete(); then what it says.
+glint_status glint_scene_parse_text(cJSON **out, const char *text, size_t length,
+                                    struct glint_error *err);
+glint_status glint_scene_parse_tree(struct glint_scene **out, const cJSON *tree,
+                                    const struct glint_asset *asset, size_t assets,
+                                    struct glint_error *err);
 
 void glint_scene_destroy(struct glint_scene **scene);
 

@@ -287,6 +287,27 @@ static glint_status read_tree(struct glint_scene *scene, const cJSON *tree,
     return status;
 }
 
+static glint_status parse_tree(struct glint_scene **out, const cJSON *tree,
+                               const struct glint_asset *asset, size_t assets,
+                               const struct glint_scene *checked, struct glint_error *err)
+{
+    struct glint_scene *scene = calloc(1, sizeof *scene);
+    const glint_status status = scene ? read_tree(scene, tree, asset, assets, checked, err)
+                                      : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a scene");
+    if (status)
+        glint_scene_destroy(&scene);
+    *out = scene;
+    return status;
+}
+
+glint_status glint_scene_parse_tree(struct glint_scene **out, const cJSON *tree,
+                                    const struct glint_asset *asset, size_t assets,
+                                    struct glint_error *err)
+{
+    assert(out && tree);
+    return parse_tree(out, tree, asset, assets, NULL, err);
+}
+
 glint_status glint_scene_parse_from(struct glint_scene **out, const char *text, size_t length,
                                     const struct glint_asset *asset, size_t assets,
                                     const struct glint_scene *checked, struct glint_error *err)
@@ -294,16 +315,11 @@ glint_status glint_scene_parse_from(struct glint_scene **out, const char *text, 
     assert(out && text);
     *out = NULL;
     cJSON *tree;
-    glint_status status = glint_json_parse(&tree, text, length, &limits, err);
+    glint_status status = glint_scene_parse_text(&tree, text, length, err);
     if (status)
         return status;
-    struct glint_scene *scene = calloc(1, sizeof *scene);
-    status = scene ? read_tree(scene, tree, asset, assets, checked, err)
-                   : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a scene");
+    status = parse_tree(out, tree, asset, assets, checked, err);
     cJSON_Delete(tree);
-    if (status)
-        glint_scene_destroy(&scene);
-    *out = scene;
     return status;
 }
 
@@ -312,4 +328,10 @@ glint_status glint_scene_parse(struct glint_scene **out, const char *text, size_
                                struct glint_error *err)
 {
     return glint_scene_parse_from(out, text, length, asset, assets, NULL, err);
+}
+
+glint_status glint_scene_parse_text(cJSON **out, const char *text, size_t length,
+                                    struct glint_error *err)
+{
+    return glint_json_parse(out, text, length, &limits, err);
 }

@@ -1,6 +1,5 @@
 // import_native.c - native scenes: pictures in data URIs become assets before the parse.
 #include "base/sha256.h"
-#include "protocol/json.h"
 #include "scene/data_uri.h"
 #include "scene/image_decode.h"
 #include "scene/import_child.h"
@@ -8,9 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const struct glint_json_limits limits = {
-    .bytes = (size_t)1 << 30, .depth = 16, .values = (size_t)1 << 23};
 
 // "/images/ID/MEMBER" with the id escaped (RFC 6901).
 static void pointer_to(char *out, size_t capacity, const char *id, const char *member)
@@ -107,40 +103,24 @@ static void replace(struct glint_import_work *w, cJSON *image, struct glint_erro
     }
 }
 
-// The text with its pictures replaced, malloc'd; NULL after a fault.
-static char *with_assets(struct glint_import_work *w, struct glint_error *err)
+static void replace_all(struct glint_import_work *w, cJSON *tree, struct glint_error *err)
 {
-    cJSON *tree = NULL;
-    char *out = NULL;
-    if (glint_json_parse(&tree, (const char *)w->bytes, w->size, &limits, err))
-        return NULL;
     cJSON *images = cJSON_GetObjectItemCaseSensitive(tree, "images");
     for (cJSON *i = cJSON_IsObject(images) ? images->child : NULL; i; i = i->next)
         if (cJSON_IsObject(i))
             replace(w, i, err);
-    if (!err->status) {
-        out = cJSON_PrintUnformatted(tree);
-        if (!out)
-            glint_fail(err, GLINT_E_NOMEM, "", "no memory for the text");
-    }
-    cJSON_Delete(tree);
-    return out;
 }
 
 glint_status glint_import_native(struct glint_import_work *w, struct glint_error *err)
 {
-    const char *text = (const char *)w->bytes;
-    size_t size = w->size;
-    char *replaced = NULL;
-    if (w->given || memmem(text, size, "\"data\"", 6)) {
-        replaced = with_assets(w, err);
-        if (!replaced)
-            return err->status;
-        text = replaced;
-        size = strlen(replaced);
-    }
-    const glint_status st = glint_scene_parse(&w->scene, text, size, w->asset, w->assets, err);
-    free(replaced);
+    cJSON *tree;
+    glint_status st = glint_scene_parse_text(&tree, (const char *)w->bytes, w->size, err);
+    if (st)
+        return st;
+    replace_all(w, tree, err);
+    st = err->status ? err->status
+                     : glint_scene_parse_tree(&w->scene, tree, w->asset, w->assets, err);
+    cJSON_Delete(tree);
     if (!st && w->clamped)
         glint_scene_warn(w->scene,
                          "%llu values of OpenEXR pictures were negative, above 65504 or no number: "
