@@ -10,6 +10,13 @@ static uint64_t structure_bytes(const struct glint_resident_stats *s)
     return s->instanced_triangles * STRUCTURE_BYTES;
 }
 
+static bool has_structure(const struct glint_resident *scene, const struct glint_job *job)
+{
+    bool robust;
+    const enum glint_geometry_kind kind = glint_render_structure(job, &robust);
+    return glint_resident_has_geometry(scene, kind, robust);
+}
+
 void glint_need_estimate(struct glint_need *out, const struct glint_resident *scene,
                          const struct glint_pose_request *request, const struct glint_job *job,
                          uint32_t workers)
@@ -20,5 +27,5 @@ void glint_need_estimate(struct glint_need *out, const struct glint_resident *sc
     if (glint_pose_wanted(glint_resident_scene(scene), request))
         out->scene = s.geometry_bytes + s.record_bytes + structure_bytes(&s);
     else // what is built already is the scene's
-        out->scene = structure_bytes(&s) > s.bvh_bytes ? structure_bytes(&s) - s.bvh_bytes : 0;
+        out->scene = has_structure(scene, job) ? 0 : structure_bytes(&s);
 }

@@ -37,6 +37,9 @@ struct glint_slice {
     uint32_t step;            // 0: all pixels; else those that lie so far apart, of a first sample
 };
 
+// The structure that the job's rays go through.
+enum glint_geometry_kind glint_render_structure(const struct glint_job *job, bool *robust);
+
 // Bytes of film that the job will hold, known before anything is spent. Its camera, if named, is in
 // the scene.
 uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struct glint_job *job);

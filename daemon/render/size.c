@@ -1,4 +1,4 @@
-// size.c - what a film will need, before anything is compiled or allocated.
+// size.c - what a job will need, before anything is compiled or allocated.
 #include "kernels/gk_film.h"
 #include "kernels/gk_matte.h"
 #include "kernels/gk_wave.h"
@@ -19,6 +19,12 @@ static const struct glint_camera *camera_of(const struct glint_scene *scene,
             !strcmp(scene->camera[i].id, job->camera_name))
             return &scene->camera[i];
     return &scene->camera[0];
+}
+
+enum glint_geometry_kind glint_render_structure(const struct glint_job *job, bool *robust)
+{
+    *robust = job->dial[GLINT_DIAL_TRAVERSAL] == 0;
+    return job->live ? GLINT_GEOMETRY_PLACED : GLINT_GEOMETRY_FLAT;
 }
 
 static uint64_t padded(uint32_t pixels)

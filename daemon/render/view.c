@@ -84,8 +84,8 @@ static glint_status prepare(struct glint_view *v, const struct glint_view *like,
     glint_devices *devices = v->render->devices;
     const struct glint_effect_input in = {glint_resident_facts(v->scene), &v->job, &v->camera,
                                           glint_render_camera_moves(v)};
-    const bool robust = v->job.dial[GLINT_DIAL_TRAVERSAL] == 0;
-    const enum glint_geometry_kind kind = v->job.live ? GLINT_GEOMETRY_PLACED : GLINT_GEOMETRY_FLAT;
+    bool robust;
+    const enum glint_geometry_kind kind = glint_render_structure(&v->job, &robust);
     glint_plan_make(&v->plan, &in, force);
     fill_info(v);
     glint_status st = glint_matte_check(&v->job, v->info.mattes, "/mattes/eviction", err);

@@ -305,6 +305,16 @@ glint_status glint_resident_geometry(glint_resident *r, enum glint_geometry_kind
     return st;
 }
 
+bool glint_resident_has_geometry(const glint_resident *resident, enum glint_geometry_kind kind,
+                                 bool robust)
+{
+    struct glint_resident *r = (struct glint_resident *)resident;
+    pthread_mutex_lock(&r->mutex);
+    const bool has = r->geometry[kind][robust] != NULL;
+    pthread_mutex_unlock(&r->mutex);
+    return has;
+}
+
 uint32_t glint_resident_mattes(const glint_resident *r, const struct glint_matte_key **keys)
 {
     *keys = r->matte;

@@ -141,6 +141,9 @@ enum glint_geometry_kind { GLINT_GEOMETRY_FLAT, GLINT_GEOMETRY_PLACED };
 glint_status glint_resident_geometry(glint_resident *resident, enum glint_geometry_kind kind,
                                      bool robust, const struct glint_geometry **out,
                                      struct glint_error *err);
+// Whether it is built by now.
+bool glint_resident_has_geometry(const glint_resident *resident, enum glint_geometry_kind kind,
+                                 bool robust);
 // Matte keys of the slot tables: 1 is the background, 2.. are the scene's (object, material, asset)
 // triples, hidden ones too; then the names that no instance uses, in keys that nothing has. Returns
 // the number of keys, the two first included.

@@ -54,10 +54,48 @@ static void a_film_takes_what_was_expected(void **state)
     glint_resident_release(&scene);
 }
 
+static uint64_t scene_need(const glint_resident *scene, const char *text)
+{
+    struct glint_job *job = offline_job(text);
+    const struct glint_need need = need_of(scene, job);
+    glint_job_destroy(&job);
+    return need.scene;
+}
+
+static uint64_t structures(const glint_resident *scene)
+{
+    struct glint_resident_stats s;
+    glint_resident_stats(scene, &s);
+    return s.bvh_bytes;
+}
+
+// A scene is loaded with the structure that most jobs trace; others are made for the first that does.
+static void a_structure_is_needed_by_who_makes_it(void **state)
+{
+    static const char *const text[] = {
+        "{\"scene\":\"s\",\"resolution\":[16,16],\"accuracy\":{\"traversal\":\"robust\"}}",
+        "{\"scene\":\"s\",\"resolution\":[16,16],\"live\":true}"};
+    (void)state;
+    glint_resident *scene = load_ball();
+    assert_int_equal(scene_need(scene, "{\"scene\":\"s\",\"resolution\":[16,16]}"), 0);
+    for (size_t i = 0; i < sizeof text / sizeof *text; i++) {
+        const uint64_t before = structures(scene), need = scene_need(scene, text[i]);
+        struct glint_job *job = offline_job(text[i]);
+        glint_render *render = render_of(scene, job);
+        assert_true(structures(scene) > before);
+        assert_true(need >= structures(scene) - before);
+        assert_int_equal(scene_need(scene, text[i]), 0);
+        glint_render_destroy(&render);
+        glint_job_destroy(&job);
+    }
+    glint_resident_release(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_film_takes_what_was_expected),
+        cmocka_unit_test(a_structure_is_needed_by_who_makes_it),
     };
     return cmocka_run_group_tests(tests, offline_crew_start, offline_crew_finish);
 }
