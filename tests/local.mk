@@ -217,7 +217,9 @@ tests_bench_memory_SOURCES = tests/bench/memory.c $(offline)
 tests_bench_million_scene_SOURCES = tests/bench/million_scene.c tests/bench/bench.c \
 	tests/bench/bench.h
 tests_bench_stages_LDADD = libglintcli.a $(LDADD)
-EXTRA_PROGRAMS += tests/bench/peers/glint
+EXTRA_PROGRAMS += tests/bench/peers/glint tests/bench/scaling
+tests_bench_scaling_LDADD = libglintcli.a $(LDADD)
+tests_bench_scaling_SOURCES = tests/bench/scaling.c $(bench_waves)
 tests_bench_peers_glint_SOURCES = tests/bench/peers/glint.c $(offline)
 tests_bench_stages_SOURCES = tests/bench/stages.c $(bench_waves)
 tests_bench_stages_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_now

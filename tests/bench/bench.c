@@ -53,7 +53,7 @@ void bench_pairs(double (*run_a)(void *), double (*run_b)(void *), void *user, d
 
 #define APPEND(...) used += (size_t)snprintf(text + used, sizeof text - used, __VA_ARGS__)
 
-const char *bench_million_scene(void)
+const char *bench_balls_scene(unsigned segments)
 {
     static char text[16384];
     size_t used = 0;
@@ -70,8 +70,8 @@ const char *bench_million_scene(void)
            "\"meshes\":{\"room\":{\"primitive\":\"box\",\"size\":[10,10,14]},"
            "\"lamp\":{\"primitive\":\"quad\",\"size\":[1.5,1.5]}");
     for (int i = 0; i < 18; i++) // a mesh each: nothing is instanced
-        APPEND(",\"ball%d\":{\"primitive\":\"sphere\",\"radius\":%g,\"segments\":224}", i,
-               1.2 + 0.001 * i);
+        APPEND(",\"ball%d\":{\"primitive\":\"sphere\",\"radius\":%g,\"segments\":%u}", i,
+               1.2 + 0.001 * i, segments);
     APPEND("},\"instances\":{\"room\":{\"mesh\":\"room\",\"material\":\"wall\"}");
     for (int i = 0; i < 18; i++)
         APPEND(",\"ball%d\":{\"mesh\":\"ball%d\",\"material\":\"m%d\",\"transform\":{"
@@ -85,4 +85,9 @@ const char *bench_million_scene(void)
                i, i % 2 ? 2.2 : -2.2, i / 2 ? 2.2 : -2.2);
     APPEND("},\"cameras\":{\"eye\":{\"yfov\":0.9,\"transform\":{\"translation\":[0,0,6.9]}}}}");
     return text;
+}
+
+const char *bench_million_scene(void)
+{
+    return bench_balls_scene(224);
 }

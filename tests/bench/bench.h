@@ -22,4 +22,8 @@ void bench_pairs(double (*run_a)(void *), double (*run_b)(void *), void *user, d
 // materials under four lamps.
 extern const char *bench_million_scene(void);
 
+// The same with balls of so many segments: about 18 segments^2 triangles. Valid until the next call
+// of either.
+extern const char *bench_balls_scene(unsigned segments);
+
 #endif

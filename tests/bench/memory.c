@@ -1,16 +1,19 @@
 // memory - what a resident scene costs: bytes by kind for a triangle, a texel and an instance, the
-// time of loading, and whether 16 million triangles fit in 8 GiB.
+// time of loading, whether 16 million triangles fit in 8 GiB and what of them stays when they are
+// released; and what a job costs: bytes of a film's pixel by outputs, and of a job beside its film.
 //
 //   memory [MILLIONS]   of triangles, by default 16
 #include "base/clock.h"
 #include "tests/render/offline.h"
 
+#include <malloc.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #define LIMIT_BYTES (8.0 * (1ull << 30))
 
@@ -24,6 +27,19 @@ static double peak_bytes(void)
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     return (double)usage.ru_maxrss * 1024.0;
+}
+
+// Resident now, with what the allocator keeps for later given back.
+static double resident_bytes(void)
+{
+    unsigned long pages = 0;
+    malloc_trim(0);
+    FILE *f = fopen("/proc/self/statm", "r");
+    if (!f || fscanf(f, "%*s %lu", &pages) != 1)
+        pages = 0;
+    if (f)
+        fclose(f);
+    return (double)pages * (double)sysconf(_SC_PAGESIZE);
 }
 
 static void *allocated(size_t bytes)
@@ -113,6 +129,7 @@ static char *text_of(const char *format, ...)
 static bool triangles(struct bench *b, uint32_t millions)
 {
     const uint32_t side = (uint32_t)lrint(sqrt(millions * 5e5));
+    const double before = resident_bytes();
     make_sheet(&b->asset, side);
     const double start = glint_now();
     glint_resident *r = load(
@@ -137,7 +154,10 @@ static bool triangles(struct bench *b, uint32_t millions)
            "\"seconds_per_million\":%.3f,\"peak_gib\":%.2f,",
            n, (double)(s.geometry_bytes + s.bvh_bytes + s.record_bytes) / n, seconds / n * 1e6,
            peak / (1ull << 30));
+    const double loaded = resident_bytes();
     drop(b, &r);
+    printf("\"resident_mib\":{\"before\":%.1f,\"loaded\":%.1f,\"released\":%.1f},",
+           before / (1 << 20), loaded / (1 << 20), resident_bytes() / (1 << 20));
     return fits;
 }
 
@@ -203,6 +223,55 @@ static void instances(struct bench *b)
     glint_resident_release(&r);
 }
 
+// ---- jobs
+
+// Resident bytes that a render of one sample adds while it is there; *promised: those that its
+// budget counts for the film.
+static double job_bytes(const struct bench *b, glint_resident *scene, const char *members,
+                        uint32_t side, double *promised)
+{
+    struct glint_error err = {0};
+    glint_render *render = NULL;
+    char *text = text_of("{\"scene\":\"s\",\"resolution\":[%u,%u],\"stop\":{\"samples\":1},%s}",
+                         side, side, members);
+    struct glint_job *job = offline_job(text);
+    const double before = resident_bytes();
+    if (glint_render_create(&render, b->o.devices, scene, NULL, job, &err))
+        offline_die("render", &err);
+    offline_render(&b->o, render);
+    const double bytes = resident_bytes() - before;
+    *promised = (double)glint_render_film_bytes(scene, job);
+    glint_render_destroy(&render);
+    glint_job_destroy(&job);
+    free(text);
+    return bytes;
+}
+
+static void films(struct bench *b)
+{
+    static const struct {
+        const char *name, *members;
+    } kind[] = {{"picture", "\"outputs\":[\"beauty\"]"},
+                {"variance", "\"outputs\":[\"beauty\",\"variance\"]"},
+                {"mattes", "\"outputs\":[\"beauty\",\"crypto_object\",\"crypto_material\","
+                           "\"crypto_asset\"],\"mattes\":{\"slots\":12}"}};
+    const uint32_t small = 64, large = 1024;
+    const double pixels = (double)large * large - (double)small * small;
+    glint_resident *scene = load(b, crowd(100, 0), NULL);
+    double promised, least;
+    job_bytes(b, scene, kind[0].members, small, &promised); // compiles
+    printf("\"film\":{");
+    for (size_t i = 0; i < sizeof kind / sizeof *kind; i++) {
+        const double few = job_bytes(b, scene, kind[i].members, small, &least);
+        const double many = job_bytes(b, scene, kind[i].members, large, &promised);
+        printf("%s\"%s\":{\"bytes_per_pixel\":%.1f,\"budget\":%.1f,\"bytes_per_job\":%.0f}",
+               i ? "," : "", kind[i].name, (many - few) / pixels, (promised - least) / pixels,
+               few - (many - few) / pixels * small * small);
+    }
+    printf("},");
+    glint_resident_release(&scene);
+}
+
 int main(int argc, char **argv)
 {
     struct bench b = {0};
@@ -210,6 +279,7 @@ int main(int argc, char **argv)
     offline_start(&b.o, 1);
     const bool fits = triangles(&b, millions ? millions : 16);
     texels(&b);
+    films(&b);
     instances(&b);
     offline_finish(&b.o);
     return fits ? 0 : 1;

@@ -81,12 +81,15 @@ def mesh(scene, d, index, m, material_name):
     d.put(f"scene.objects.thing{index}", shape=f"mesh{index}", material=material_name)
 
 
-def camera(d, c):
+def camera(d, c, height):
+    """LuxCore's rows are one lower than its camera looks: the window is moved against that."""
+    row = 2.0 / height
     m = TURN @ c["transform"][:3]
     floats = lambda v: [float(x) for x in v]
     d.put("scene.camera", type="perspective", lookat_orig=floats(m[:, 3]),
           lookat_target=floats(m[:, 3] - m[:, 2]), up=floats(m[:, 1]),
-          fieldofview=float(np.degrees(c["yfov"])), lensradius=0.0, autofocus_enable=False)
+          fieldofview=float(np.degrees(c["yfov"])), lensradius=0.0, autofocus_enable=False,
+          screenwindow=[-1.0, 1.0, -1.0 - row, 1.0 - row])
 
 
 def lights(d, scene):
@@ -105,14 +108,14 @@ def lights(d, scene):
         d.put("scene.lights.sky", type="constantinfinite", color=[float(x) for x in e["radiance"]])
 
 
-def load(folder):
+def load(folder, height):
     world, scene, d = neutral.read(folder), pyluxcore.Scene(), Description()
     names = {name: f"material{k}" for k, name in enumerate(world["materials"])}
     for name, m in world["materials"].items():
         material(d, names[name], m)
     for k, m in enumerate(world["meshes"]):
         mesh(scene, d, k, m, names[m["material"]])
-    camera(d, world["camera"])
+    camera(d, world["camera"], height)
     lights(d, world)
     scene.Parse(d.properties)
     return scene
@@ -125,8 +128,8 @@ def settings(width, height, bounces, samples, seed):
         "path.pathdepth.total": bounces + 1, "path.pathdepth.diffuse": bounces + 1,
         "path.pathdepth.glossy": bounces + 1, "path.pathdepth.specular": bounces + 1,
         "path.clamping.variance.maxvalue": 0.0, "path.hybridbackforward.enable": False,
-        "film.width": width, "film.height": height, "film.filter.type": "BOX",
-        "film.filter.width": 0.5, "film.imagepipelines.0.0.type": "NOP",
+        "film.width": width, "film.height": height, "film.filter.type": "NONE", # a box of a pixel
+        "film.imagepipelines.0.0.type": "NOP",
         "film.noiseestimation.warmup": 0, "film.safesave": False}
     out = pyluxcore.Properties()
     for name, value in values.items():
@@ -137,7 +140,7 @@ def settings(width, height, bounces, samples, seed):
 def main():
     folder, width, height, bounces, _ = serve.arguments(sys.argv[1:])
     pyluxcore.Init(lambda message: None)
-    scene = load(folder)
+    scene = load(folder, height)
 
     def render(samples, seed, out):
         config = pyluxcore.RenderConfig(settings(width, height, bounces, samples, seed), scene)

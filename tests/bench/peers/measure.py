@@ -8,6 +8,7 @@ TRIMMED = 0.001     # share of the worst pixels that the trimmed error leaves ou
 BLUR = 8            # pixels of a block of the agreement check
 SAME_MEAN = 0.03    # agreement: |ratio of mean luminances - 1|
 SAME_BLOCKS = 0.05  # agreement: median over blocks of the same
+SAME_MOST = 0.2     # agreement: 95th percentile over blocks of the same
 RESAMPLES = 4000
 
 
@@ -56,7 +57,8 @@ def agreement(ours, theirs):
     ratio = float((theirs @ LUMINANCE).mean() / (ours @ LUMINANCE).mean())
     median, p95 = (float(np.quantile(off, q)) for q in (.5, .95))
     return {"mean_ratio": ratio, "blocks_median": median, "blocks_p95": p95,
-            "same": abs(ratio - 1) <= SAME_MEAN and median <= SAME_BLOCKS}
+            "same": abs(ratio - 1) <= SAME_MEAN and median <= SAME_BLOCKS
+            and p95 <= SAME_MOST}
 
 
 def line(x, y):

@@ -140,7 +140,7 @@ def main():
     def render(samples, seed, out):
         total, number = np.zeros((height, width, 3)), 0
         for number, n in enumerate(passes(samples, width * height)):
-            picture = mi.render(scene, spp=n, seed=seed * 65536 + number)
+            picture = mi.render(scene, spp=n, seed=seed * 1024 + number)
             total += n * np.array(picture, dtype=np.float64)
         (total / samples).astype("<f4").tofile(out)
 
