@@ -62,10 +62,11 @@ static int usual_step(void)
 
 static const float *part_of(int step, float ior)
 {
-    if (step == usual_step())
-        return glint_energy_usual_glass;
     pthread_mutex_lock(&mutex);
-    if (!made[step])
+    if (!made[step] &&
+        step == usual_step()) // a copy: who asks for glass is told apart by the pointer
+        memcpy(table[step], glint_energy_usual_glass, sizeof table[step]);
+    else if (!made[step])
         fill(glint_energy_part_row, table[step], ior);
     made[step] = true;
     pthread_mutex_unlock(&mutex);

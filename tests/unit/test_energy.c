@@ -56,10 +56,12 @@ static void what_many_cores_make_is_what_one_makes(void **state)
     }
 }
 
-static void an_interface_is_made_once(void **state)
+static void an_interface_is_made_once_and_is_not_that_of_glass(void **state)
 {
     (void)state;
-    assert_ptr_equal(glint_energy_interface(1.5f), glint_energy_glass(1.5f));
+    assert_ptr_equal(glint_energy_interface(1.5f), glint_energy_interface(1.5f));
+    assert_ptr_not_equal(glint_energy_interface(1.5f), glint_energy_glass(1.5f));
+    assert_ptr_not_equal(glint_energy_interface(WATER), glint_energy_glass(WATER));
     assert_ptr_equal(glint_energy_interface(1.7f), glint_energy_interface(1.7f));
     assert_ptr_not_equal(glint_energy_interface(1.7f), glint_energy_white());
 }
@@ -69,7 +71,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_built_in_is_what_the_integrals_give),
         cmocka_unit_test(what_many_cores_make_is_what_one_makes),
-        cmocka_unit_test(an_interface_is_made_once),
+        cmocka_unit_test(an_interface_is_made_once_and_is_not_that_of_glass),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
