@@ -330,6 +330,56 @@ static void a_list_of_what_was_met_covers_each_once(void **state)
     }
 }
 
+#define SIDE(name, x, z, half_turn)                                              \
+    "'" name "':{'object':'" name "','mesh':'quad','material':'m','transform':{" \
+    "'rotation':[0," half_turn "],'translation':[" x ",0," z "],'scale':[3.4,3.4,1]}}"
+
+// The way round between three mirrors, three times: nine vertices on the middles of the sides.
+static void a_list_goes_on_after_its_first_entries(void **state)
+{
+    (void)state;
+    static const char prism[] = "{" CAMERA(
+        0.001) "'environment':{'radiance':[1,1,1]},'meshes':{'quad':{'primitive':'quad'}"
+               "},'materials':{'m':{'metallic':1,'roughness':0,'base_color':[1,1,1]}},"
+               "'objects':{'a':{},'b':{},'c':{}},'instances':{" SIDE(
+                   "a", "0", "-0.866025404",
+                   "0.258819045,0,0.965925826") "," SIDE("b", "0", "0.866025404",
+                                                         "0.965925826,0,0.258819045") "," SIDE("c",
+                                                                                               "1."
+                                                                                               "5",
+                                                                                               "0",
+                                                                                               "-0."
+                                                                                               "707"
+                                                                                               "106"
+                                                                                               "781"
+                                                                                               ",0,"
+                                                                                               "0."
+                                                                                               "707"
+                                                                                               "106"
+                                                                                               "78"
+                                                                                               "1") "}}";
+    static const struct {
+        const char *job;
+        double each;
+    } rule[] = {
+        {JOB(OBJECTS, "'through':'delta','coverage':'opaque_full','path_ids':'previous'",
+             SAMPLES(16)),
+         3},
+        {JOB(OBJECTS, "'through':'delta','coverage':'opaque_full','path_ids':'list'", SAMPLES(16)),
+         1}};
+    for (size_t i = 0; i < COUNT(rule); i++) {
+        struct shot s;
+        take(&s, prism, rule[i].job);
+        for (size_t p = 0; p < pixels(s.frame); p++)
+            for (const char *name = "abc"; *name; name++)
+                assert_within(
+                    coverage_of(s.frame, "CryptoGlossObject", (const char[]){*name, 0}, p) -
+                        rule[i].each,
+                    1e-3);
+        finish_shot(&s);
+    }
+}
+
 // ---- one bounce off rough metal under a ceiling without end, by quadrature
 
 #define CEILING 30.0 // metres above the floor
@@ -424,6 +474,7 @@ int main(void)
         cmocka_unit_test(clear_glass_gives_its_place_to_what_is_behind),
         cmocka_unit_test(full_mattes_of_opaque_surfaces_take_nothing_from_what_follows),
         cmocka_unit_test(a_list_of_what_was_met_covers_each_once),
+        cmocka_unit_test(a_list_goes_on_after_its_first_entries),
         cmocka_unit_test(rough_metal_hands_on_the_integral_of_eq_1),
     };
     return cmocka_run_group_tests(tests, things_start, things_finish);
