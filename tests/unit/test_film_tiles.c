@@ -1,5 +1,6 @@
 // Sums of tiles added up word for word, and rectangles of tiles read pixel for pixel.
 #include "kernels/gk_film.h"
+#include "kernels/gk_matte.h"
 #include "protocol/film.h"
 #include "protocol/film_add.h"
 
@@ -48,6 +49,55 @@ static void films_add_up_to_the_words_of_one(void **state)
     for (int k = 0; k < GK_SUM_PLANES; k++)
         assert_memory_equal(&red(a)[pixel + (uint32_t)k * GK_TILE_PIXELS],
                             &red(one)[pixel + (uint32_t)k * GK_TILE_PIXELS], 4);
+}
+
+// ---- tables
+
+enum { SLOTS = 4, TABLE = SLOTS + GK_MATTE_LOST_WORDS };
+
+// Units of what is seen directly and of what bounces have brought, in slots and without.
+static void add_units(uint64_t sum[2], const uint64_t *table)
+{
+    for (int i = 0; i < SLOTS; i++)
+        sum[!gk_matte_primary(gk_matte_key(table[i]))] += gk_matte_amount(table[i]);
+    sum[0] += table[SLOTS + GK_MATTE_LOST_PRIMARY];
+    sum[1] += table[SLOTS + GK_MATTE_LOST_BOUNCED];
+}
+
+static void fill_table(uint64_t *table, uint32_t policy, uint32_t seed)
+{
+    struct gk_matte_lost lost = {0, 0};
+    memset(table, 0, TABLE * sizeof *table);
+    for (uint32_t i = 0; i < 40; i++) {
+        const uint32_t bits = gk_mix32(seed + i);
+        gk_matte_deposit(table, SLOTS, gk_matte_of_class(1 + bits % 5, bits >> 8 & 1),
+                         bits >> 9 & 1, 1 + (bits >> 16), policy, bits * 0x9e3779b9u, &lost);
+    }
+    table[SLOTS + GK_MATTE_LOST_PRIMARY] = lost.primary;
+    table[SLOTS + GK_MATTE_LOST_BOUNCED] = lost.bounced;
+}
+
+static void full_tables_add_up_to_the_units_of_both_by_their_kind(void **state)
+{
+    (void)state;
+    struct glint_job crowded = {.matte_slots = SLOTS};
+    const struct glint_film_info of = {.job = &crowded};
+    uint64_t lost[2] = {0, 0};
+    for (uint32_t policy = GK_MATTE_DROP; policy <= GK_MATTE_USS_DIRECT_FIRST; policy++)
+        for (uint32_t seed = 0; seed < 100; seed++) {
+            uint64_t to[TABLE], from[TABLE], before[2] = {0, 0}, after[2] = {0, 0};
+            crowded.dial[GLINT_DIAL_EVICTION] = (uint8_t)policy;
+            fill_table(to, policy, 1000 * policy + 2 * seed);
+            fill_table(from, policy, 500000 + 1000 * policy + seed);
+            add_units(before, to);
+            add_units(before, from);
+            glint_film_add_table(&of, to, from);
+            add_units(after, to);
+            assert_true(before[0] == after[0] && before[1] == after[1]);
+            lost[0] += to[SLOTS + GK_MATTE_LOST_PRIMARY];
+            lost[1] += to[SLOTS + GK_MATTE_LOST_BOUNCED];
+        }
+    assert_true(lost[0] > 0 && lost[1] > 0);
 }
 
 // ---- rectangles
@@ -118,6 +168,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(films_add_up_to_the_words_of_one),
+        cmocka_unit_test(full_tables_add_up_to_the_units_of_both_by_their_kind),
         cmocka_unit_test(every_rectangle_has_the_pixels_of_its_tiles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
