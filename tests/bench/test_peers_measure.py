@@ -41,12 +41,18 @@ def test_a_target_beyond_the_counts_is_called_extrapolated():
     assert np.allclose(reached, 1e4 * .002) and beyond, reached
 
 
+def test_a_curve_without_a_slope_is_not_followed_for_ever():
+    flat = [{**r, "relmse": [.011, .0101, .0105]} for r in rounds(1, .002, 0)]
+    reached, _ = measure.rounds_to(.001, flat, 0, "relmse")
+    assert (reached < 256 * .002 * 10.5 ** (1 / .8) + 1e-6).all(), reached
+
+
 def test_the_error_of_the_reference_is_known_from_its_halves_and_taken_off():
     truth = picture()
     a, b = noisy(truth, .02, 2), noisy(truth, .02, 3)
-    floor = measure.floor_of(a, b)
+    floor, trimmed = measure.floor_of(a, b)
     known = measure.relmse((a + b) / 2, truth)[0]
-    assert abs(floor / known - 1) < .05, (floor, known) # 12,288 values: sd 1.6 %
+    assert abs(floor / known - 1) < .05 and trimmed < floor, (floor, known) # 12,288 values: sd 1.6 %
     with_floor = [{**r, "relmse": [e + floor for e in r["relmse"]]} for r in rounds(1, .002, 0)]
     assert np.allclose(measure.rounds_to(.01, with_floor, floor, "relmse")[0], .2)
 

@@ -38,11 +38,16 @@ def ours(_):
     return [os.path.join(build, "tests/bench/peers/glint"), "serve"], []
 
 
+def embree(_):
+    raise Missing("Embree's pathtracer writes eight bits a channel, clamped to 1 (of .pfm too): it has "
+                  "no error that could be measured")
+
+
 RENDERERS = {"glint": ours, "cycles-debian": debian_blender,
              "cycles": in_venv("bpy", "cycles_serve.py"),
              "mitsuba-llvm": in_venv("mitsuba", "mitsuba_serve.py", "llvm_ad_rgb"),
              "mitsuba-scalar": in_venv("mitsuba", "mitsuba_serve.py", "scalar_rgb"),
-             "luxcore": in_venv("pyluxcore", "luxcore_serve.py")}
+             "luxcore": in_venv("pyluxcore", "luxcore_serve.py"), "embree": embree}
 
 
 class Crew:

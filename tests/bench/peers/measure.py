@@ -9,6 +9,7 @@ BLUR = 8            # pixels of a block of the agreement check
 SAME_MEAN = 0.03    # agreement: |ratio of mean luminances - 1|
 SAME_BLOCKS = 0.05  # agreement: median over blocks of the same
 SAME_MOST = 0.2     # agreement: 95th percentile over blocks of the same
+SLOWEST, FASTEST = -0.8, -1.5 # slopes of log error over log count: heavy tails, stratification
 RESAMPLES = 4000
 
 
@@ -31,16 +32,23 @@ def square_errors(image, reference):
     return ((image - reference) ** 2 / (reference ** 2 + OFFSET)).mean(2).reshape(-1)
 
 
-def relmse(image, reference):
-    """(mean, mean without the worst pixels)."""
-    e = np.sort(square_errors(image, reference))
+def with_and_without_worst(errors):
+    """(mean, mean without the worst pixels)"""
+    e = np.sort(errors)
     keep = len(e) - int(round(TRIMMED * len(e)))
     return float(e.mean()), float(e[:keep].mean())
 
 
+def relmse(image, reference):
+    """(mean, mean without the worst pixels)"""
+    return with_and_without_worst(square_errors(image, reference))
+
+
 def floor_of(a, b):
-    """The relative square error that the mean of two independent halves still has."""
-    return float((((a - b) / 2) ** 2 / (((a + b) / 2) ** 2 + OFFSET)).mean())
+    """relmse() that the mean of two independent halves still has."""
+    mean = (a + b) / 2
+    return with_and_without_worst(
+        (((a - b) / 2) ** 2 / (mean ** 2 + OFFSET)).mean(2).reshape(-1))
 
 
 def blurred(image):
@@ -70,16 +78,16 @@ def line(x, y):
 
 def samples_to(target, counts, errors):
     """Samples at which the error falls to the target: between two measured counts by the line
-    through their logarithms, beyond them by the line through all. (samples, extrapolated)"""
+    through their logarithms, beyond them from the nearest on with the slope of all, within what
+    unbiased sampling has. (samples, extrapolated)"""
     n, e = np.log(counts), np.log(np.maximum(errors, 1e-12))
     t = np.log(target)
     for k in range(len(n) - 1):
         if e[k] >= t > e[k + 1]:
             return float(np.exp(n[k] + (n[k + 1] - n[k]) * (e[k] - t) / (e[k] - e[k + 1]))), False
-    slope, at = np.polyfit(n, e, 1)
-    slope = min(slope, -0.25) # of heavy tails; a flat or rising line says nothing
-    middle = float(np.mean(e - slope * n))
-    return float(np.exp((t - middle) / slope)), True
+    slope = float(np.clip(np.polyfit(n, e, 1)[0], FASTEST, SLOWEST))
+    near = 0 if t > e[0] else -1
+    return float(np.exp(n[near] + (t - e[near]) / slope)), True
 
 
 def rounds_to(target, rounds, floor, key):

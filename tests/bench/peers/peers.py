@@ -50,16 +50,17 @@ def warm_up(crew):
 
 
 def reference(crew, key, per_sample, o):
-    """{"mean", "floor", "samples"}: two halves of other seeds than the rounds have."""
+    """{"mean", "floor", "floor_trimmed", "samples"}: two halves of other seeds than the rounds have."""
     path = os.path.join(o.cache, f"{key}-{crew.name}.npz")
     if os.path.exists(path):
         with np.load(path) as kept:
-            return {"mean": kept["mean"], "floor": float(kept["floor"]),
-                    "samples": int(kept["samples"])}
+            return {"mean": kept["mean"], "samples": int(kept["samples"]),
+                    "floor": float(kept["floor"]), "floor_trimmed": float(kept["floor_trimmed"])}
     n = power_of_two(o.reference_seconds / per_sample)
     say(f"{crew.name}: reference of 2 x {n} samples")
     a, b = (crew.render(n, seed, measure.read)[0] for seed in REFERENCE_SEEDS)
-    made = {"mean": (a + b) / 2, "floor": measure.floor_of(a, b), "samples": 2 * n}
+    floor, trimmed = measure.floor_of(a, b)
+    made = {"mean": (a + b) / 2, "floor": floor, "floor_trimmed": trimmed, "samples": 2 * n}
     np.savez_compressed(path, **made)
     return made
 
@@ -117,7 +118,7 @@ def times(there, target, key):
     """{name: {"seconds": [of each round], "extrapolated", "limited"}}"""
     out = {}
     for name, t in there.items():
-        floor = t["made"]["floor"]
+        floor = t["made"]["floor" if key == "relmse" else "floor_trimmed"]
         seconds, beyond = measure.rounds_to(target, t["rounds"], floor, key)
         out[name] = {"seconds": seconds.tolist(), "median": float(np.median(seconds)),
                      "extrapolated": beyond, "limited": floor > .25 * target}

@@ -29,7 +29,8 @@ SKY = 512, 256 # pixels
 # ------------------------------------------------------------------ scenes of our own ----
 
 def lamps(count=2000):
-    """Many small lamps of eight colours over a floor with things on it."""
+    """Many small lamps of eight colours over a floor with things on it, above what the camera sees:
+    pixels show what is lit, not the edges of what lights."""
     random = np.random.default_rng(9)
     parts = {"floor": (scenes.lambert((.6, .6, .6)),
                        scenes.quad((-8, 0, 8), (8, 0, 8), (8, 0, -8), (-8, 0, -8))),
@@ -42,13 +43,13 @@ def lamps(count=2000):
     for k, group in enumerate(np.array_split(np.arange(count), 8)):
         points, faces = [], []
         for _ in group:
-            x, y, z = random.uniform((-7.5, 2.2, -7.5), (7.5, 4.5, 5))
+            x, y, z = random.uniform((-7.5, 4.2, -7.5), (7.5, 5.5, 5))
             s, n = random.uniform(.01, .04), len(points)
             points += [(x - s, y, z - s), (x + s, y, z - s), (x + s, y, z + s), (x - s, y, z + s)]
             faces += [(n, n + 1, n + 2), (n, n + 2, n + 3)]
         colour = (40 + 25 * math.sin(k), 40 + 25 * math.sin(k + 2), 40 + 25 * math.sin(k + 4))
         parts[f"lamps {k}"] = (scenes.lamp(colour), (points, None, faces))
-    return scenes.native(parts, (0, 2, 9), (0, 1.2, 0), math.radians(45))
+    return scenes.native(parts, (0, 4, 8), (0, .5, -2), math.radians(36))
 
 
 def garden():
