@@ -4,7 +4,8 @@
     python cycles_serve.py FOLDER WIDTH HEIGHT BOUNCES
 
 Lambert is a Diffuse BSDF, clear glass a Glass BSDF; metal, coated and tinted glass are a Principled
-BSDF with GGX of one reflection. Lamps emit on their front, which Cycles is told where it knows.
+BSDF with GGX of one reflection; before 4.0, whose Principled base is Disney's, coated is a Diffuse and
+a Glossy BSDF mixed by Fresnel's factor. Lamps emit on their front, which Cycles is told where it knows.
 Left as Cycles has it: its sampler, its light tree where there is one, its roulette. Turned off, as
 bias: clamping, the threshold of light sampling, the blurring of glossy lobes.
 """
@@ -49,6 +50,19 @@ def colour_input(tree, m, shader, name):
             tree.links.new(product.outputs[0], shader.inputs[name])
 
 
+def layered(tree, m):
+    """A dielectric layer over lambert where the Principled BSDF's base is Disney's."""
+    base = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    colour_input(tree, m, base, "Color")
+    layer = node(tree, "ShaderNodeBsdfGlossy", Roughness=m["roughness"])
+    layer.distribution = "GGX"
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    tree.links.new(node(tree, "ShaderNodeFresnel", IOR=m["ior"]).outputs[0], mix.inputs[0])
+    tree.links.new(base.outputs[0], mix.inputs[1])
+    tree.links.new(layer.outputs[0], mix.inputs[2])
+    return mix.outputs[0]
+
+
 def principled(tree, m):
     out = node(tree, "ShaderNodeBsdfPrincipled", Metallic=m["metallic"], Roughness=m["roughness"],
                IOR=m["ior"])
@@ -70,6 +84,8 @@ def closure(tree, m):
         out = node(tree, "ShaderNodeBsdfGlass", Roughness=m["roughness"], IOR=m["ior"])
         out.distribution = "GGX"
         return out.outputs[0]
+    if kind == "coated" and not NEW:
+        return layered(tree, m)
     return principled(tree, m)
 
 
@@ -176,7 +192,7 @@ def world(e):
         texture = tree.nodes.new("ShaderNodeTexEnvironment")
         texture.image = bpy.data.images.load(e["file"])
         turn = tree.nodes.new("ShaderNodeMapping")
-        turn.inputs["Rotation"].default_value = (0, 0, np.pi / 2 - e["rotation"])
+        turn.inputs["Rotation"].default_value = (0, 0, -np.pi / 2)
         place = tree.nodes.new("ShaderNodeTexCoord")
         tree.links.new(place.outputs["Generated"], turn.inputs["Vector"])
         tree.links.new(turn.outputs["Vector"], texture.inputs["Vector"])

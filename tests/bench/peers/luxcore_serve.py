@@ -21,6 +21,7 @@ import neutral
 import serve
 
 TURN = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], float) # glTF's y up to LuxCore's z up
+SKY_TURN = [-1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 
 
 class Description:
@@ -99,11 +100,8 @@ def lights(d, scene):
               color=[float(c * light["intensity"]) for c in light["color"]])
     e = scene["environment"]
     if e and e["file"]:
-        turn = np.eye(4)
-        angle = -e["rotation"]
-        turn[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
         d.put("scene.lights.sky", type="infinite", file=e["file"], gamma=1.0,
-              transformation=[float(x) for x in turn.T.reshape(-1)])
+              transformation=SKY_TURN)
     elif e:
         d.put("scene.lights.sky", type="constantinfinite", color=[float(x) for x in e["radiance"]])
 

@@ -2,8 +2,8 @@
 
     mitsuba_serve.py FOLDER WIDTH HEIGHT BOUNCES VARIANT
 
-Lambert is `diffuse`, clear glass `dielectric` or `roughdielectric`; metal and coated are
-`principled`, Disney's, whose base is not lambert: the agreement check says how much that shows.
+Lambert is `diffuse`, clear glass `dielectric` or `roughdielectric`, coated `roughplastic`;
+rough metal, and what is between metal and dielectric, `principled`.
 Emission is one-sided in Mitsuba. Left as it has it: light sampling, its independent sampler, its
 roulette from the fifth vertex on. Passes bound the memory of the wavefront variants.
 """
@@ -47,6 +47,9 @@ def closure(m):
         inner = {"type": "diffuse", "reflectance": colour(m)}
     elif kind == "metal" and alpha < 1e-3:
         inner = {"type": "conductor", "material": "none", "specular_reflectance": colour(m)}
+    elif kind == "coated":
+        inner = {"type": "roughplastic", "distribution": "ggx", "alpha": max(alpha, 1e-3),
+                 "int_ior": m["ior"], "ext_ior": 1.0, "diffuse_reflectance": colour(m)}
     else:
         inner = {"type": "principled", "base_color": colour(m), "metallic": m["metallic"],
                  "roughness": m["roughness"]}
@@ -91,7 +94,7 @@ def properties(material, flat):
 def sky(e):
     if not e["file"]:
         return {"type": "constant", "radiance": rgb(e["radiance"])}
-    turn = mi.ScalarTransform4f().rotate([0, 1, 0], float(np.degrees(e["rotation"])))
+    turn = mi.ScalarTransform4f().rotate([0, 1, 0], 180) # its middle is +z
     return {"type": "envmap", "filename": e["file"], "to_world": turn}
 
 

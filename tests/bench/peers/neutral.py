@@ -59,12 +59,13 @@ def list_name(image):
 
 
 def environment(folder, doc):
-    """None, or {"radiance", "file", "rotation"}; the file, of rows of RGB floats, has no name if
+    """None, or {"radiance", "file"}; the file, of rows of RGB floats, has no name if
     the sky is one colour."""
     e = doc.get("environment")
     if not e:
         return None
-    return {"radiance": e["radiance"], "rotation": e.get("rotation", 0),
+    assert not e.get("rotation"), "a sky that is turned is not read"
+    return {"radiance": e["radiance"],
             "file": os.path.join(folder, "sky.exr") if "image" in e else None}
 
 

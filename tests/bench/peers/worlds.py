@@ -21,7 +21,7 @@ import neutral
 import scenes
 
 ROUGH_COAT = 0.5
-DROPPED_MAPS = ("normal_texture", "metallic_roughness_texture", "specular_texture",
+DROPPED_MAPS = ("normal_map", "metallic_roughness_texture", "specular_texture",
                 "specular_color_texture", "emission_texture")
 SKY = 512, 256 # pixels
 
@@ -62,7 +62,7 @@ def garden():
 
 
 def sky():
-    """A blue gradient over brown ground, and a sun of two degrees; float32 [height][width][3]."""
+    """A blue gradient over brown ground, and a bright haze of eight degrees; float32 [height][width][3]."""
     width, height = SKY
     u, v = np.meshgrid((np.arange(width) + .5) / width, (np.arange(height) + .5) / height)
     up = np.cos(np.pi * v)[..., None]
@@ -70,7 +70,7 @@ def sky():
                    np.array([.18, .14, .1]) * np.ones_like(up))
     theta, phi = np.pi * v, 2 * np.pi * (u - .62)
     cosine = np.cos(theta) * math.cos(.8) + np.sin(theta) * math.sin(.8) * np.cos(phi)
-    out[cosine > math.cos(math.radians(2))] = (1500, 1300, 1000)
+    out[cosine > math.cos(math.radians(8))] = (60, 52, 40)
     return out.astype(np.float32)
 
 
@@ -161,7 +161,7 @@ def write_sky(folder, doc):
     half[..., :3] = rgb
     doc.setdefault("images", {})["sky"] = {"asset": add_asset(folder, half.tobytes()),
                                            "width": SKY[0], "height": SKY[1], "format": "rgba16f"}
-    doc["environment"] = {"radiance": [1, 1, 1], "image": "sky", "rotation": 0}
+    doc["environment"] = {"radiance": [1, 1, 1], "image": "sky"}
     write_picture(os.path.join(folder, "sky.exr"), half[..., :3].astype(np.float32), "float")
 
 
