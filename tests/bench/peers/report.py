@@ -131,7 +131,8 @@ def plot(path, scene):
 def sheet(path, pictures, agreed):
     """All references side by side at one exposure, ours first, labelled."""
     first = next(iter(pictures.values()))
-    exposure = .35 / max(float(np.median(first.max(2))), 1e-4)
+    bright = first.max(2)
+    exposure = .35 / max(float(np.median(bright[bright > .01 * bright.mean()])), 1e-4)
     side = first.shape[0]
     tiles = []
     for image in pictures.values():
