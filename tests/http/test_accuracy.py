@@ -116,6 +116,13 @@ def test_the_choice_and_its_front_are_there_after_a_kill():
         assert d.get("/v1/scenes/room/front").json()["front"]["points"][0]["row"] == "other"
         again = d.post({**SMALL, "accuracy": {"error": 0.3}}, {"Idempotency-Key": "once"})
         assert again.status == 202 and again.json()["id"] == job  # though it would pick another
+        d.until(job, lambda j: j["state"] == "done")
+        gone = d.ask("DELETE", "/v1/scenes/room")
+        assert gone.status == 204, gone.body
+        d.kill()
+        d.start()
+        d.put("room", ROOM)
+        assert d.get("/v1/scenes/room/front").json()["from"] == "class"
 
 
 if __name__ == "__main__":

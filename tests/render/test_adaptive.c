@@ -134,6 +134,50 @@ static void adaptive_picture_is_the_same_in_the_mean_and_less_noisy(void **state
     assert_true(noise[1] < 0.9 * noise[0]);
 }
 
+// A wall that a picture of a sky lights: every pixel has the same noise, and so has every tile, the
+// whole ones of 256 pixels and those that the frame's edge cuts to 64.
+static void tiles_that_the_edge_cuts_have_samples_by_their_noise(void **state)
+{
+    (void)state;
+    struct glint_error err = {0};
+    float sky[16 * 8 * 3], least = INFINITY, most = 0.0f;
+    uint64_t seed = 3;
+    for (int i = 0; i < 16 * 8 * 3; i++)
+        sky[i] = (float)stable_random(&seed) + 0.1f;
+    char *uri = stable_hdr(16, 8, sky);
+    char *scene = stable_text("{'images':{'s':{'data':'%s'}},'environment':{'image':'s'},"
+                              "'materials':{'m':{'ior':1}},'meshes':{'q':{'primitive':'quad'}},"
+                              "'instances':{'wall':{'mesh':'q','material':'m','transform':{"
+                              "'scale':[9,9,9]}}},'cameras':{'eye':{'yfov':0.7,'transform':{"
+                              "'translation':[0,0,3]}}}}",
+                              uri);
+    glint_resident *wall = offline_load_text(&o, scene);
+    char *text = stable_text("{'scene':'s','outputs':['beauty','samples'],'adaptive':true,"
+                             "'resolution':[40,24],'max_bounces':1,'filter':{'kind':'box'},"
+                             "'stop':{'samples':96}}");
+    struct glint_job *job = offline_job(text);
+    glint_render *render = NULL;
+    struct glint_frame *frame;
+    if (glint_render_create(&render, o.devices, wall, NULL, job, &err))
+        offline_die("render", &err);
+    offline_render(&o, render);
+    assert_int_equal(glint_render_frame(render, job->outputs, &frame, NULL, NULL), GLINT_OK);
+    const float *count = channel(frame, "samples.Y");
+    for (size_t i = 0; i < stable_pixels(frame); i++) {
+        least = fminf(least, count[i]);
+        most = fmaxf(most, count[i]);
+    }
+    print_message("# %g to %g samples\n", least, most);
+    assert_true(least >= 0.7f * most);
+    glint_frame_destroy(&frame);
+    glint_render_destroy(&render);
+    glint_job_destroy(&job);
+    glint_resident_release(&wall);
+    free(text);
+    free(scene);
+    free(uri);
+}
+
 // ---- the same bytes
 
 #define ADAPTIVE "'adaptive':true,'stop':{'samples':96},"
@@ -336,6 +380,7 @@ int main(void)
         cmocka_unit_test(film_that_has_ended_answers_as_its_render_did),
         cmocka_unit_test(adaptive_job_goes_on_to_more_samples),
         cmocka_unit_test(adaptive_picture_is_the_same_in_the_mean_and_less_noisy),
+        cmocka_unit_test(tiles_that_the_edge_cuts_have_samples_by_their_noise),
         cmocka_unit_test(batches_and_halves_tell_of_the_same_noise),
         cmocka_unit_test(halves_of_one_seed_are_noticed),
         cmocka_unit_test(bias_of_short_paths_is_not_in_the_error_but_on_the_list),

@@ -300,6 +300,13 @@ static glint_status create_failure(uint32_t seed)
     return b->create_status;
 }
 
+enum glint_geometry_kind glint_render_structure(const struct glint_job *job, bool *robust)
+{
+    (void)job;
+    *robust = false;
+    return GLINT_GEOMETRY_FLAT;
+}
+
 uint64_t glint_render_film_bytes(const struct glint_resident *scene, const struct glint_job *job)
 {
     (void)scene;

@@ -186,6 +186,15 @@ void glint_resident_stats(const glint_resident *resident, struct glint_resident_
                                          .dropped = 2};
 }
 
+bool glint_resident_has_geometry(const glint_resident *resident, enum glint_geometry_kind kind,
+                                 bool robust)
+{
+    (void)resident;
+    (void)kind;
+    (void)robust;
+    return true;
+}
+
 const struct glint_scene_facts *glint_resident_facts(const glint_resident *resident)
 {
     (void)resident;

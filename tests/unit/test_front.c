@@ -108,6 +108,22 @@ static void little_time_takes_the_rough_point_and_much_the_exact_one(void **stat
     free(f);
 }
 
+static void workers_share_the_time_of_a_sample(void **state)
+{
+    (void)state;
+    struct glint_front *f = parse(two);
+    struct glint_front_wish wish = {
+        .seconds = 0.2, .pixels = 1000, .workers = 4, .max_samples = 1u << 24};
+    struct glint_front_choice c = {0};
+    assert_true(glint_front_choose(f, &wish, &c));
+    assert_true(c.point == 0 && fabs(c.samples - 800) <= 1);
+    wish.seconds = 0;
+    wish.error = 0.09;
+    assert_true(glint_front_choose(f, &wish, &c));
+    assert_true(fabs(c.seconds - c.samples * 1e-3 / 4) < 1e-9);
+    free(f);
+}
+
 static void an_error_below_the_bias_takes_the_exact_point(void **state)
 {
     (void)state;
@@ -171,6 +187,7 @@ int main(void)
         cmocka_unit_test(what_is_wrong_is_named_by_its_pointer),
         cmocka_unit_test(a_front_of_more_points_than_fit_is_refused),
         cmocka_unit_test(little_time_takes_the_rough_point_and_much_the_exact_one),
+        cmocka_unit_test(workers_share_the_time_of_a_sample),
         cmocka_unit_test(an_error_below_the_bias_takes_the_exact_point),
         cmocka_unit_test(errors_that_spread_over_seeds_take_more_samples),
         cmocka_unit_test(pinned_settings_leave_the_points_that_have_them),
