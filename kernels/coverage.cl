@@ -2,7 +2,7 @@
 //
 // One item per pixel of one tile, all its samples in order: a pixel has one owner, so no atomics.
 // Runs of equal keys are merged before the table is touched.
-#include "kernels/gk_matte.h"
+#include "kernels/gk_matte_spill.h"
 #include "kernels/gk_wave.h"
 #ifdef GK_SHARED_TABLES
 #include "kernels/gk_matte_shared.h"
@@ -10,25 +10,25 @@
 
 // The table of one pixel while deposits come in.
 struct gk_pixel_table {
-    __global gk_u64 *table;
-    gk_u32 slots, policy, salt;
+    __global gk_u64 *tables; // of its tile
+    gk_u32 pixel, slots, policy, salt;
     gk_u32 waits; // GK_COL_WAITS of the run under way
     gk_u64 amount;
     struct gk_matte_lost lost;
 };
 
-GK_INLINE struct gk_pixel_table gk_pixel_table_at(__global gk_u64 *table, gk_u32 slots,
-                                                  gk_u32 policy, gk_u32 salt)
+GK_INLINE struct gk_pixel_table gk_pixel_table_at(__global gk_u64 *tables, gk_u32 pixel,
+                                                  gk_u32 slots, gk_u32 policy, gk_u32 salt)
 {
-    const struct gk_pixel_table t = {table, slots, policy, salt, 0u, 0, {0, 0}};
+    const struct gk_pixel_table t = {tables, pixel, slots, policy, salt, 0u, 0, {0, 0}};
     return t;
 }
 
 GK_INLINE void gk_pixel_flush(struct gk_pixel_table *t)
 {
     t->salt = gk_mix32(t->salt + 1u);
-    gk_matte_deposit(t->table, t->slots, t->waits & GK_WAITS_KEY, t->waits >> 31, t->amount,
-                     t->policy, t->salt, &t->lost);
+    gk_matte_deposit_tile(t->tables, t->pixel, t->slots, t->waits & GK_WAITS_KEY, t->waits >> 31,
+                          t->amount, t->policy, t->salt, &t->lost);
     t->amount = 0;
 }
 
@@ -51,22 +51,22 @@ GK_INLINE void gk_table_lose(__global gk_u64 *table, gk_u32 slots, const struct 
 GK_INLINE void gk_pixel_finish(struct gk_pixel_table *t)
 {
     gk_pixel_flush(t);
-    gk_table_lose(t->table, t->slots, &t->lost);
+    gk_table_lose(t->tables + t->pixel * gk_matte_words(t->slots, t->policy), t->slots, &t->lost);
 }
 
 // waits: GK_COL_WAITS, 0: nothing is deposited.
-GK_INLINE void gk_path_deposit(__global gk_u64 *table, gk_u32 slots, gk_u32 waits, gk_u32 amount,
-                               gk_u32 policy, gk_u32 salt)
+GK_INLINE void gk_path_deposit(__global gk_u64 *tables, gk_u32 pixel, gk_u32 slots, gk_u32 waits,
+                               gk_u32 amount, gk_u32 policy, gk_u32 salt)
 {
     struct gk_matte_lost lost = {0, 0};
     if (waits == 0u || amount == 0u)
         return;
-    gk_matte_deposit(table, slots, waits & GK_WAITS_KEY, waits >> 31, amount, policy,
-                     gk_mix32(salt), &lost);
-    gk_table_lose(table, slots, &lost);
+    gk_matte_deposit_tile(tables, pixel, slots, waits & GK_WAITS_KEY, waits >> 31, amount, policy,
+                          gk_mix32(salt), &lost);
+    gk_table_lose(tables + pixel * gk_matte_words(slots, policy), slots, &lost);
 }
 
-// tables: [256][slots + GK_MATTE_LOST_WORDS], from `offset` slots on. lane: of the tile's first pixel;
+// tables: [256][gk_matte_words()], from `offset` slots on. lane: of the tile's first pixel;
 // step: lanes from one sample of a pixel to the next. salt: new for each launch on a tile.
 __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32 stride,
                                const gk_u32 n, const gk_u32 lane, const gk_u32 step,
@@ -77,8 +77,8 @@ __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32
     const gk_u32 i = (gk_u32)get_global_id(0);
     if (i >= n)
         return;
-    struct gk_pixel_table t = gk_pixel_table_at(tables + offset + i * (slots + GK_MATTE_LOST_WORDS),
-                                                slots, policy, gk_mix32(salt ^ i));
+    struct gk_pixel_table t =
+        gk_pixel_table_at(tables + offset, i, slots, policy, gk_mix32(salt ^ i));
     for (gk_u32 s = 0; s < samples; s++)
         gk_pixel_deposit(&t, GK_LOAD_U32(GK_COL_KEY, lane + i + s * step) | GK_WAITS_DIRECT,
                          GK_MATTE_ONE);
@@ -97,8 +97,8 @@ __kernel void deposit_first(const __global float *restrict wave, const gk_u32 st
     const gk_u32 i = (gk_u32)get_global_id(0);
     if (i >= n)
         return;
-    struct gk_pixel_table t = gk_pixel_table_at(tables + offset + i * (slots + GK_MATTE_LOST_WORDS),
-                                                slots, policy, gk_mix32(salt ^ i));
+    struct gk_pixel_table t =
+        gk_pixel_table_at(tables + offset, i, slots, policy, gk_mix32(salt ^ i));
     for (gk_u32 s = 0; s < samples; s++) {
         const gk_u32 at = lane + i + s * step;
 #ifdef GK_OPAQUE_FULL
@@ -110,13 +110,14 @@ __kernel void deposit_first(const __global float *restrict wave, const gk_u32 st
 }
 
 #ifdef GK_SHARED_TABLES
-GK_INLINE void gk_path_share(__global gk_u64 *table, gk_u32 slots, gk_u32 waits, gk_u32 amount,
-                             gk_u32 policy, gk_u32 salt)
+GK_INLINE void gk_path_share(__global gk_u64 *tables, gk_u32 pixel, gk_u32 slots, gk_u32 waits,
+                             gk_u32 amount, gk_u32 policy, gk_u32 salt)
 {
     struct gk_matte_lost lost = {0, 0};
+    __global gk_u64 *table = tables + pixel * gk_matte_words(slots, policy);
     if (waits == 0u || amount == 0u)
         return;
-    gk_matte_deposit_shared(table, slots, waits & GK_WAITS_KEY, waits >> 31, amount, policy,
+    gk_matte_deposit_shared(tables, pixel, slots, waits & GK_WAITS_KEY, waits >> 31, amount, policy,
                             gk_mix32(salt), &lost);
     gk_matte_count(table + slots + GK_MATTE_LOST_PRIMARY, lost.primary);
     gk_matte_count(table + slots + GK_MATTE_LOST_BOUNCED, lost.bounced);
@@ -131,15 +132,16 @@ __kernel void deposit_carried(const __global float *restrict wave, const gk_u32 
     if (i >= n)
         return;
     const gk_u32 lane = GK_LOAD_U32(GK_COL_LANE, i);
-    __global gk_u64 *table = tables + (lane & (pixels - 1u)) * (slots + GK_MATTE_LOST_WORDS);
-    gk_path_share(table, slots, GK_LOAD_U32(GK_COL_DEPOSIT0, i), GK_LOAD_U32(GK_COL_AMOUNT0, i),
-                  policy, salt ^ 2u * lane);
-    gk_path_share(table, slots, GK_LOAD_U32(GK_COL_DEPOSIT1, i), GK_LOAD_U32(GK_COL_AMOUNT1, i),
-                  policy, salt ^ (2u * lane + 1u));
+    const gk_u32 pixel = lane & 255u, tile = (lane & (pixels - 1u)) - pixel;
+    __global gk_u64 *of_tile = tables + tile * gk_matte_words(slots, policy);
+    gk_path_share(of_tile, pixel, slots, GK_LOAD_U32(GK_COL_DEPOSIT0, i),
+                  GK_LOAD_U32(GK_COL_AMOUNT0, i), policy, salt ^ 2u * lane);
+    gk_path_share(of_tile, pixel, slots, GK_LOAD_U32(GK_COL_DEPOSIT1, i),
+                  GK_LOAD_U32(GK_COL_AMOUNT1, i), policy, salt ^ (2u * lane + 1u));
 }
 #else
 // Of later vertices: those of the first n paths, one item in all, because any of them may share a
-// pixel. tables: [pixels][slots + GK_MATTE_LOST_WORDS]; pixels: of the block, a power of two. salt:
+// pixel. tables: [pixels][gk_matte_words()]; pixels: of the block, a power of two. salt:
 // new for each launch on a block.
 __kernel void deposit_carried(const __global float *restrict wave, const gk_u32 stride,
                               const gk_u32 n, const gk_u32 pixels, __global gk_u64 *restrict tables,
@@ -149,10 +151,11 @@ __kernel void deposit_carried(const __global float *restrict wave, const gk_u32 
         return;
     for (gk_u32 i = 0; i < n; i++) {
         const gk_u32 lane = GK_LOAD_U32(GK_COL_LANE, i);
-        __global gk_u64 *table = tables + (lane & (pixels - 1u)) * (slots + GK_MATTE_LOST_WORDS);
-        gk_path_deposit(table, slots, GK_LOAD_U32(GK_COL_DEPOSIT0, i),
+        const gk_u32 pixel = lane & 255u, tile = (lane & (pixels - 1u)) - pixel;
+        __global gk_u64 *of_tile = tables + tile * gk_matte_words(slots, policy);
+        gk_path_deposit(of_tile, pixel, slots, GK_LOAD_U32(GK_COL_DEPOSIT0, i),
                         GK_LOAD_U32(GK_COL_AMOUNT0, i), policy, salt ^ 2u * lane);
-        gk_path_deposit(table, slots, GK_LOAD_U32(GK_COL_DEPOSIT1, i),
+        gk_path_deposit(of_tile, pixel, slots, GK_LOAD_U32(GK_COL_DEPOSIT1, i),
                         GK_LOAD_U32(GK_COL_AMOUNT1, i), policy, salt ^ (2u * lane + 1u));
     }
 }

@@ -34,6 +34,16 @@
 // A direct one takes the least that is not, whose amount joins the next such. Without such, and where
 // they are not direct, newcomers join the least of their like; with none of these they are lost.
 #define GK_MATTE_USS_DIRECT_FIRST 4u
+// The pixels of a tile share places beside their slots, gk_matte_spill.h; when these are taken, as
+// before.
+#define GK_MATTE_SPILL 5u
+#define GK_MATTE_SPILL_WORDS 10u // that a pixel brings
+
+// Words of a pixel's table.
+GK_INLINE gk_u32 gk_matte_words(gk_u32 slots, gk_u32 policy)
+{
+    return slots + GK_MATTE_LOST_WORDS + (policy == GK_MATTE_SPILL ? GK_MATTE_SPILL_WORDS : 0u);
+}
 
 GK_INLINE gk_u32 gk_matte_key(gk_u64 slot)
 {
@@ -143,7 +153,7 @@ GK_INLINE gk_u32 gk_matte_lesser(const GK_GLOBAL gk_u64 *table, gk_u32 a, gk_u32
 GK_INLINE gk_u32 gk_matte_victim(const struct gk_matte_search *s, gk_u32 key, gk_u32 direct,
                                  gk_u32 policy)
 {
-    const gk_i32 first = policy == GK_MATTE_DIRECT_FIRST || policy == GK_MATTE_USS_DIRECT_FIRST;
+    const gk_i32 first = policy == GK_MATTE_DIRECT_FIRST || policy >= GK_MATTE_USS_DIRECT_FIRST;
     if (gk_matte_primary(key))
         return s->indirect != GK_MATTE_NOWHERE ? s->indirect : s->direct;
     return direct && first ? s->indirect : GK_MATTE_NOWHERE;

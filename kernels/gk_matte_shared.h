@@ -5,33 +5,10 @@
 // changes as one word, so that kept + lost = total at any moment; what a newcomer evicts is in
 // nobody's slot until it is in another. Two that bring one key to a full table at the same time may
 // each evict for it: readers add up the slots of a key.
-//
-// GK_MATTE_CAS(address, expected, desired) returns what was there: atom_cmpxchg of 64 bits.
 #ifndef GK_MATTE_SHARED_H
 #define GK_MATTE_SHARED_H
 
-#include "kernels/gk_matte.h"
-
-#ifdef GK_DEVICE
-#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
-#define GK_SHARED volatile __global
-#define GK_MATTE_CAS(at, expected, desired) \
-    atom_cmpxchg((volatile __global ulong *)(at), expected, desired)
-#define GK_MATTE_READ(at) (*(at))
-#else
-#define GK_SHARED volatile
-// Relaxed: what is found is tried by compare and swap.
-#define GK_MATTE_READ(at) __atomic_load_n(at, __ATOMIC_RELAXED)
-GK_INLINE gk_u64 gk_matte_cas(volatile gk_u64 *at, gk_u64 expected, gk_u64 desired)
-{
-    // Sequentially consistent: nothing else is read or written by what is found.
-    __atomic_compare_exchange_n(at, &expected, desired, 0, __ATOMIC_SEQ_CST, __ATOMIC_SEQ_CST);
-    return expected;
-}
-#ifndef GK_MATTE_CAS
-#define GK_MATTE_CAS gk_matte_cas
-#endif
-#endif
+#include "kernels/gk_matte_spill.h"
 
 // Adds to a word that others add to.
 GK_INLINE void gk_matte_count(GK_SHARED gk_u64 *at, gk_u64 units)
@@ -122,17 +99,23 @@ GK_INLINE gk_u32 gk_matte_seen_like(const struct gk_matte_seen *s, const struct 
     return policy == GK_MATTE_USS ? lesser : (g->direct ? s->direct : s->indirect);
 }
 
-// As gk_matte_deposit(), for many at a time on one table.
-GK_INLINE void gk_matte_deposit_shared(GK_SHARED gk_u64 *table, gk_u32 slots, gk_u32 key,
-                                       gk_u32 direct, gk_u64 amount, gk_u32 policy, gk_u32 random,
-                                       struct gk_matte_lost *lost)
+// As gk_matte_deposit_tile(), for many at a time on one table.
+GK_INLINE void gk_matte_deposit_shared(GK_SHARED gk_u64 *tables, gk_u32 pixel, gk_u32 slots,
+                                       gk_u32 key, gk_u32 direct, gk_u64 amount, gk_u32 policy,
+                                       gk_u32 random, struct gk_matte_lost *lost)
 {
+    const gk_u32 words = gk_matte_words(slots, policy);
+    GK_SHARED gk_u64 *table = tables + pixel * words;
     struct gk_matte_guest g = {key, direct, amount};
     gk_i32 may_evict = 1; // who was evicted does not evict
     gk_u64 over = 0;
     while (g.amount > 0) {
         struct gk_matte_seen s;
         if (gk_matte_settle(table, slots, &g, &s, lost))
+            return;
+        if (policy == GK_MATTE_SPILL && may_evict)
+            g.amount = gk_matte_spill(tables, words, pixel, g.key, g.direct, g.amount);
+        if (g.amount == 0)
             return;
         const gk_u32 victim = may_evict ? gk_matte_seen_victim(&s, &g, policy) : GK_MATTE_NOWHERE;
         const gk_u32 like = gk_matte_seen_like(&s, &g, policy);

@@ -22,6 +22,7 @@ kernel_headers = \
 	kernels/gk_math.h \
 	kernels/gk_matte.h \
 	kernels/gk_matte_shared.h \
+	kernels/gk_matte_spill.h \
 	kernels/gk_medium.h \
 	kernels/gk_sampler.h \
 	kernels/gk_pair.h \

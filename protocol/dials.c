@@ -35,11 +35,11 @@ const struct glint_dial_row glint_dial_table[GLINT_DIAL_COUNT] = {
                              "else is covered again (Yoshimura et al. 2022, Eq. 8)"},
     [GLINT_DIAL_EVICTION] = {"eviction",
                              "mattes",
-                             {"exact", "drop", "direct_first", "uss", "uss_direct_first"},
-                             0x19,
+                             {"exact", "drop", "direct_first", "uss", "uss_direct_first", "spill"},
+                             0x39,
                              "exact: a slot for every name; direct_first: Yoshimura et al. 2022, "
                              "Alg. 1; uss: unbiased space "
-                             "saving, Ting 2018"},
+                             "saving, Ting 2018; spill: exact while the tile has places"},
     [GLINT_DIAL_PRECISION] = {"precision",
                               "accuracy",
                               {"float64", "float32"},
@@ -71,13 +71,12 @@ const struct glint_dial_row glint_dial_table[GLINT_DIAL_COUNT] = {
 const struct glint_preset glint_preset_table[] = {
     {"production",
      {[GLINT_DIAL_THROUGH] = GLINT_THROUGH_NONE,
-      [GLINT_DIAL_EVICTION] = GLINT_EVICTION_USS_DIRECT_FIRST,
+      [GLINT_DIAL_EVICTION] = GLINT_EVICTION_SPILL,
       [GLINT_DIAL_PRECISION] = 1,
       [GLINT_DIAL_TRAVERSAL] = 1,
       [GLINT_DIAL_ROULETTE] = 1}},
     {"reference",
-     {[GLINT_DIAL_THROUGH] = GLINT_THROUGH_NONE,
-      [GLINT_DIAL_EVICTION] = GLINT_EVICTION_USS_DIRECT_FIRST}},
+     {[GLINT_DIAL_THROUGH] = GLINT_THROUGH_NONE, [GLINT_DIAL_EVICTION] = GLINT_EVICTION_SPILL}},
     {NULL, {0}},
 };
 

@@ -15,7 +15,7 @@ enum glint_dial {
     GLINT_DIAL_VARIANCE,     // mattes.variance: exact, eq3
     GLINT_DIAL_COVERAGE,     // mattes.coverage: redistribute, opaque_full
     GLINT_DIAL_PATH_IDS,     // mattes.path_ids: list, previous
-    GLINT_DIAL_EVICTION,     // mattes.eviction: exact, drop, direct_first, uss, uss_direct_first
+    GLINT_DIAL_EVICTION,     // mattes.eviction: exact, drop, direct_first, uss, .., spill
     GLINT_DIAL_PRECISION,    // float64, float32
     GLINT_DIAL_TRAVERSAL,    // robust, fast
     GLINT_DIAL_ROULETTE,     // none, throughput
@@ -34,7 +34,8 @@ enum {
     GLINT_EVICTION_DROP,
     GLINT_EVICTION_DIRECT_FIRST,
     GLINT_EVICTION_USS,
-    GLINT_EVICTION_USS_DIRECT_FIRST
+    GLINT_EVICTION_USS_DIRECT_FIRST,
+    GLINT_EVICTION_SPILL
 };
 
 struct glint_dial_row {

@@ -39,7 +39,7 @@ uint32_t glint_film_info_slots(const struct glint_film_info *info)
 
 uint32_t glint_film_info_words(const struct glint_film_info *info)
 {
-    return glint_film_info_slots(info) + GK_MATTE_LOST_WORDS;
+    return gk_matte_words(glint_film_info_slots(info), info->job->dial[GLINT_DIAL_EVICTION]);
 }
 
 bool glint_film_info_wide(const struct glint_film_info *info)

@@ -1,7 +1,7 @@
 #include "protocol/film_add.h"
 
 #include "kernels/gk_film.h"
-#include "kernels/gk_matte.h"
+#include "kernels/gk_matte_spill.h"
 
 static void add_exact(float *to, uint32_t i, const float *from, uint32_t j)
 {
@@ -55,25 +55,58 @@ void glint_film_add_planes(const struct glint_film_info *info, float *to, uint32
         add_integers(to, i, from, j, GK_AOV_FLOW, 4);
 }
 
-uint64_t glint_film_add_table(const struct glint_film_info *info, uint64_t *to,
-                              const uint64_t *from)
+// A pixel that gets what others hold.
+struct heir {
+    uint64_t *tables; // of its tile
+    uint32_t pixel, slots, policy;
+    struct gk_matte_lost lost;
+    uint64_t homeless;
+};
+
+static void inherit(struct heir *h, uint64_t slot, uint32_t salt)
 {
-    const uint32_t slots = glint_film_info_slots(info),
-                   policy = info->job->dial[GLINT_DIAL_EVICTION];
-    struct gk_matte_lost lost = {from[slots + GK_MATTE_LOST_PRIMARY],
-                                 from[slots + GK_MATTE_LOST_BOUNCED]};
-    uint64_t homeless = lost.primary + lost.bounced;
-    for (uint32_t s = 0; s < slots; s++) {
-        const uint32_t key = gk_matte_key(from[s]);
-        if (!key)
-            continue;
-        const uint64_t amount = gk_matte_amount(from[s]);
-        if (gk_matte_find(to, slots, key).found == GK_MATTE_NOWHERE)
-            homeless += amount;
-        gk_matte_deposit(to, slots, key, gk_matte_direct(from[s]), amount, policy,
-                         gk_mix32(key ^ gk_mix32((uint32_t)amount + s)), &lost);
+    const uint32_t words = gk_matte_words(h->slots, h->policy), key = gk_matte_key(slot);
+    uint64_t amount = gk_matte_amount(slot);
+    if (!key)
+        return;
+    if (gk_matte_find(h->tables + (size_t)h->pixel * words, h->slots, key).found ==
+        GK_MATTE_NOWHERE) {
+        if (h->policy == GK_MATTE_SPILL)
+            amount = gk_matte_spill(h->tables, words, h->pixel, key, gk_matte_direct(slot), amount);
+        h->homeless += amount;
     }
-    to[slots + GK_MATTE_LOST_PRIMARY] += lost.primary;
-    to[slots + GK_MATTE_LOST_BOUNCED] += lost.bounced;
-    return homeless;
+    gk_matte_deposit_tile(h->tables, h->pixel, h->slots, key, gk_matte_direct(slot), amount,
+                          h->policy, gk_mix32(key ^ gk_mix32((uint32_t)amount + salt)), &h->lost);
+}
+
+static void inherit_places(struct heir *h, const uint64_t *from, uint32_t words, uint32_t i)
+{
+    for (uint32_t n = 0; n < GK_MATTE_SPILL_PLACES; n++) {
+        const uint64_t place = from[gk_matte_spill_at(words, i, n)];
+        if (!place)
+            return;
+        if (gk_matte_spilled(place, i, gk_matte_key(place)))
+            inherit(h, gk_matte_spill_slot(place), h->slots + n);
+    }
+}
+
+uint64_t glint_film_add_table(const struct glint_film_info *info, uint64_t *to, uint32_t at,
+                              const uint64_t *from, uint32_t i)
+{
+    const uint32_t slots = glint_film_info_slots(info), words = glint_film_info_words(info);
+    const uint64_t *table = from + (size_t)i * words;
+    uint64_t *lost = to + (size_t)at * words + slots;
+    struct heir h = {to,
+                     at,
+                     slots,
+                     info->job->dial[GLINT_DIAL_EVICTION],
+                     {table[slots + GK_MATTE_LOST_PRIMARY], table[slots + GK_MATTE_LOST_BOUNCED]},
+                     table[slots + GK_MATTE_LOST_PRIMARY] + table[slots + GK_MATTE_LOST_BOUNCED]};
+    for (uint32_t s = 0; s < slots; s++)
+        inherit(&h, table[s], s);
+    if (h.policy == GK_MATTE_SPILL)
+        inherit_places(&h, from, words, i);
+    lost[GK_MATTE_LOST_PRIMARY] += h.lost.primary;
+    lost[GK_MATTE_LOST_BOUNCED] += h.lost.bounced;
+    return h.homeless;
 }

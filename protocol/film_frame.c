@@ -77,13 +77,13 @@ static glint_status make_planes(struct glint_frame *f, const struct glint_job *j
 // One pixel of a film tile and where it goes.
 struct at {
     const struct glint_film_info *info;
-    const float *plane;    // of the tile
-    const uint64_t *table; // of the pixel
-    uint32_t i;            // pixel of the tile
-    uint32_t half[2];      // its samples
-    uint32_t samples;      // both, > 0
-    bool in_one_run;       // they follow one another from the job's first on
-    size_t out;            // pixel of the frame
+    const float *plane;     // of the tile
+    const uint64_t *tables; // of the tile
+    uint32_t i;             // pixel of the tile
+    uint32_t half[2];       // its samples
+    uint32_t samples;       // both, > 0
+    bool in_one_run;        // they follow one another from the job's first on
+    size_t out;             // pixel of the frame
 };
 
 // The square of a light that single precision holds may lie beyond it.
@@ -159,12 +159,14 @@ static void store_ranks(const struct glint_cryptomatte_rank *rank, uint32_t n, u
 
 // What the pixel has of its coverage and what found no slot: Eq. 8 of Yoshimura et al. 2022 gives
 // sums that are not 1.
-static void resolve_sums(const struct at *a, const struct planes *p, uint32_t slots)
+static void resolve_sums(const struct at *a, const struct planes *p,
+                         const struct glint_film_held *held)
 {
-    uint64_t sum[4] = {0, 0, a->table[slots + GK_MATTE_LOST_PRIMARY],
-                       a->table[slots + GK_MATTE_LOST_BOUNCED]};
-    for (uint32_t s = 0; s < slots; s++)
-        sum[gk_matte_class(gk_matte_key(a->table[s])) != 0] += gk_matte_amount(a->table[s]);
+    const uint64_t *lost =
+        a->tables + (size_t)a->i * glint_film_info_words(a->info) + glint_film_info_slots(a->info);
+    uint64_t sum[4] = {0, 0, lost[GK_MATTE_LOST_PRIMARY], lost[GK_MATTE_LOST_BOUNCED]};
+    for (uint32_t s = 0; s < held->count; s++)
+        sum[gk_matte_class(gk_matte_key(held->slot[s])) != 0] += gk_matte_amount(held->slot[s]);
     for (int k = 0; k < 4; k++)
         p->sum[k][a->out] = (float)((double)sum[k] / ((double)GK_MATTE_ONE * a->samples));
 }
@@ -172,12 +174,13 @@ static void resolve_sums(const struct at *a, const struct planes *p, uint32_t sl
 static void resolve_mattes(const struct at *a, const struct planes *p,
                            struct glint_film_ranks *ranks)
 {
+    glint_film_held_read(a->info, a->tables, a->i, &ranks->held);
     for (size_t t = 0; t < p->types; t++) {
-        const uint32_t n = glint_film_rank(a->info, a->table, &p->type[t], a->samples, ranks);
+        const uint32_t n = glint_film_rank(a->info, &p->type[t], a->samples, ranks);
         store_ranks(ranks->rank, n, a->info->job->matte_levels, p->rank[t], a->out);
     }
     if (p->sum[0])
-        resolve_sums(a, p, ranks->slots);
+        resolve_sums(a, p, &ranks->held);
 }
 
 // What a frame is being made of.
@@ -206,7 +209,7 @@ static void resolve_pixel(struct making *m, struct at *a, const struct glint_fil
         m->planes.samples[a->out] = (float)its;
     if (!from->table)
         return;
-    a->table = from->table + (size_t)a->i * (m->ranks.slots + GK_MATTE_LOST_WORDS);
+    a->tables = from->table;
     resolve_mattes(a, &m->planes, &m->ranks);
 }
 

@@ -14,17 +14,20 @@ static glint_status no_coverage(struct glint_error *err)
         "the job has none of the outputs crypto_object, crypto_material, crypto_asset");
 }
 
-// One pixel with samples: its table, their number and its place in the region.
+// One pixel with samples: what it holds and has lost, their number and its place in the region.
 struct covered {
-    const uint64_t *table; // [glint_film_info_words()]
+    struct glint_film_held held;
+    const uint64_t *lost; // [GK_MATTE_LOST_WORDS]
     uint32_t samples;
     size_t out;
 };
 
 typedef void visit_pixel(const struct glint_film_info *info, const struct covered *at, void *user);
 
+// slot: room for what a pixel holds.
 static uint32_t visit_tile(const struct glint_film_info *info, uint32_t tile,
-                           const struct glint_film_pixels *pixels, visit_pixel *visit, void *user)
+                           const struct glint_film_pixels *pixels, uint64_t *slot,
+                           visit_pixel *visit, void *user)
 {
     const uint32_t columns = glint_film_info_columns(info), *region = info->job->region;
     const uint32_t x0 = tile % columns * GK_TILE_SIDE, y0 = tile / columns * GK_TILE_SIDE;
@@ -34,13 +37,17 @@ static uint32_t visit_tile(const struct glint_film_info *info, uint32_t tile,
         if (x >= region[2] || y >= region[3])
             continue;
         const uint32_t from = glint_film_shown_as(pixels, i);
-        const struct covered at = {pixels->table + (size_t)from * glint_film_info_words(info),
-                                   glint_film_samples_of(pixels, from, 0) +
-                                       glint_film_samples_of(pixels, from, 1),
-                                   (size_t)y * region[2] + x};
+        struct covered at = {{slot, 0},
+                             pixels->table + (size_t)from * glint_film_info_words(info) +
+                                 glint_film_info_slots(info),
+                             glint_film_samples_of(pixels, from, 0) +
+                                 glint_film_samples_of(pixels, from, 1),
+                             (size_t)y * region[2] + x};
         const uint32_t own = from == i ? at.samples : 0;
-        if (at.samples)
+        if (at.samples) {
+            glint_film_held_read(info, pixels->table, from, &at.held);
             visit(info, &at, user);
+        }
         fewest = own < fewest ? own : fewest;
     }
     return fewest;
@@ -51,17 +58,21 @@ static glint_status each_pixel(const struct glint_film_source *s, visit_pixel *v
                                uint32_t *fewest, struct glint_error *err)
 {
     const uint32_t tiles = glint_film_info_columns(s->info) * glint_film_info_rows(s->info);
+    uint64_t *slot = malloc((glint_film_held_room(s->info) + (size_t)1) * sizeof *slot);
+    glint_status st =
+        slot ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a pixel's mattes");
     *fewest = UINT32_MAX;
-    for (uint32_t tile = 0; tile < tiles; tile++) {
+    for (uint32_t tile = 0; !st && tile < tiles; tile++) {
         struct glint_film_pixels pixels = {0};
-        const glint_status st = s->begin(s->user, tile, &pixels, err);
+        st = s->begin(s->user, tile, &pixels, err);
         if (st)
-            return st;
-        const uint32_t samples = visit_tile(s->info, tile, &pixels, visit, user);
+            break;
+        const uint32_t samples = visit_tile(s->info, tile, &pixels, slot, visit, user);
         s->end(s->user, tile);
         *fewest = samples < *fewest ? samples : *fewest;
     }
-    return GLINT_OK;
+    free(slot);
+    return st;
 }
 
 struct sums {
@@ -72,15 +83,15 @@ struct sums {
 static void add_sums(const struct glint_film_info *info, const struct covered *at, void *user)
 {
     struct sums *sum = user;
-    const uint32_t slots = glint_film_info_slots(info);
     const double unit = 1.0 / ((double)GK_MATTE_ONE * at->samples);
-    for (uint32_t s = 0; s < slots; s++) {
-        const uint32_t key = gk_matte_key(at->table[s]);
+    (void)info;
+    for (uint32_t s = 0; s < at->held.count; s++) {
+        const uint32_t key = gk_matte_key(at->held.slot[s]);
         sum->key[gk_matte_class(key)][key & GK_MATTE_BASE_KEY] +=
-            (double)gk_matte_amount(at->table[s]) * unit;
+            (double)gk_matte_amount(at->held.slot[s]) * unit;
     }
-    sum->lost[0] += (double)at->table[slots + GK_MATTE_LOST_PRIMARY] * unit;
-    sum->lost[1] += (double)at->table[slots + GK_MATTE_LOST_BOUNCED] * unit;
+    sum->lost[0] += (double)at->lost[GK_MATTE_LOST_PRIMARY] * unit;
+    sum->lost[1] += (double)at->lost[GK_MATTE_LOST_BOUNCED] * unit;
 }
 
 static int by_name(const void *a, const void *b)
@@ -192,7 +203,7 @@ void glint_matte_totals_finish(struct glint_matte_totals *totals)
 }
 
 struct selection {
-    uint32_t classes, slots;
+    uint32_t classes;
     bool *key;    // [mattes]
     float *plane; // of the region
 };
@@ -201,10 +212,10 @@ static void add_selected(const struct glint_film_info *info, const struct covere
 {
     const struct selection *of = user;
     uint64_t direct = 0, bounced = 0;
-    for (uint32_t s = 0; s < of->slots; s++) {
-        const uint32_t key = gk_matte_key(at->table[s]);
+    for (uint32_t s = 0; s < at->held.count; s++) {
+        const uint32_t key = gk_matte_key(at->held.slot[s]);
         if (of->classes >> gk_matte_class(key) & 1 && of->key[key & GK_MATTE_BASE_KEY])
-            *(gk_matte_class(key) ? &bounced : &direct) += gk_matte_amount(at->table[s]);
+            *(gk_matte_class(key) ? &bounced : &direct) += gk_matte_amount(at->held.slot[s]);
     }
     // Of the class of reflections and that of refractions nothing is seen directly; others hold that.
     const uint64_t larger = direct > bounced ? direct : bounced;
@@ -269,7 +280,6 @@ glint_status glint_film_matte(const struct glint_film_source *s, enum glint_matt
     if (!s->info->coverage)
         return no_coverage(err);
     struct selection of = {.classes = classes,
-                           .slots = glint_film_info_slots(s->info),
                            .key = calloc(s->info->mattes + (size_t)1, sizeof *of.key)};
     const glint_status st = of.key ? unite(s, layer, names, count, &of, out, err)
                                    : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a matte");

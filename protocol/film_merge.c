@@ -185,10 +185,11 @@ static void add_pixel(glint_film_sum *s, uint32_t x, uint32_t y, const struct pi
     const bool again = half[0] || half[1];
     glint_film_add_planes(&s->header.info, (float *)memory, i, (const float *)p->memory, j);
     if (s->header.info.coverage) {
-        uint64_t *to = table_at(s, memory, i), *from = table_at(s, p->memory, j);
-        const uint32_t slots = glint_film_info_slots(&s->header.info);
-        const bool was = to[slots + GK_MATTE_LOST_PRIMARY] || to[slots + GK_MATTE_LOST_BOUNCED];
-        const bool lost = glint_film_add_table(&s->header.info, to, from) || was;
+        const uint64_t *to = table_at(s, memory, i) + glint_film_info_slots(&s->header.info);
+        const bool was = to[GK_MATTE_LOST_PRIMARY] || to[GK_MATTE_LOST_BOUNCED];
+        const bool lost = glint_film_add_table(&s->header.info, table_at(s, memory, 0), i,
+                                               table_at(s, p->memory, 0), j) ||
+                          was;
         s->lost += again && lost;
     }
     half[0] += p->half[0];

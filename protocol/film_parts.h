@@ -6,22 +6,31 @@
 #include "film.h"
 #include "kernels/gk_film.h"
 
+// Slots of a pixel that hold something: those of its table, and what it has in the places of its tile.
+struct glint_film_held {
+    uint64_t *slot; // [glint_film_held_room()]
+    uint32_t count;
+};
+uint32_t glint_film_held_room(const struct glint_film_info *info);
+// tables: of the tile; pixel: of it.
+void glint_film_held_read(const struct glint_film_info *info, const uint64_t *tables,
+                          uint32_t pixel, struct glint_film_held *out);
+
 // Room for the IDs of a pixel.
 struct glint_film_ranks {
-    uint32_t slots;                      // of its table
-    struct glint_cryptomatte_rank *rank; // [slots]
-    uint64_t *amount;                    // [slots]
+    struct glint_film_held held;
+    struct glint_cryptomatte_rank *rank; // [glint_film_held_room()], as are those below
+    uint64_t *amount;
 };
 glint_status glint_film_ranks_create(struct glint_film_ranks *out,
                                      const struct glint_film_info *info, struct glint_error *err);
 void glint_film_ranks_finish(struct glint_film_ranks *ranks); // one of zeros is fine
 
-// Fills out->rank with the IDs of a type that cover the pixel with this table, sorted, coverage over
-// `samples`; several keys may share an ID. Returns their number.
+// Fills r->rank with the IDs of a type that cover the pixel that r->held was read of, sorted, coverage
+// over `samples`; several keys may share an ID. Returns their number.
 // Source: Cryptomatte 1.2.0, "Ranking Pixel Filter".
-uint32_t glint_film_rank(const struct glint_film_info *info, const uint64_t *table,
-                         const struct glint_matte_type *type, uint32_t samples,
-                         struct glint_film_ranks *out);
+uint32_t glint_film_rank(const struct glint_film_info *info, const struct glint_matte_type *type,
+                         uint32_t samples, struct glint_film_ranks *r);
 
 // The manifest of every name in a layer; malloc'd, NULL without memory.
 char *glint_film_manifest(const struct glint_film_info *info, enum glint_matte_layer layer);

@@ -16,11 +16,11 @@ static const char *name_of(const struct glint_film_info *info, enum glint_matte_
 }
 
 // Appends the ranks of a type. Returns their number.
-static size_t add_ranks(const struct glint_film_info *info, const uint64_t *table, uint32_t samples,
+static size_t add_ranks(const struct glint_film_info *info, uint32_t samples,
                         const struct glint_matte_type *type, struct glint_film_ranks *ranks,
                         struct glint_matte_found *out)
 {
-    const uint32_t n = glint_film_rank(info, table, type, samples, ranks);
+    const uint32_t n = glint_film_rank(info, type, samples, ranks);
     const struct glint_cryptomatte_rank *rank = ranks->rank;
     size_t count = 0;
     for (uint32_t k = 0; k < n && k < info->job->matte_levels; k++)
@@ -46,9 +46,9 @@ static struct glint_matte_found *with_names(const struct glint_matte_found *list
     return out;
 }
 
-static struct glint_matte_found *look(const struct glint_film_info *info, const uint64_t *table,
-                                      uint32_t samples, uint32_t outputs,
-                                      struct glint_film_ranks *ranks, size_t *count)
+static struct glint_matte_found *look(const struct glint_film_info *info, uint32_t samples,
+                                      uint32_t outputs, struct glint_film_ranks *ranks,
+                                      size_t *count)
 {
     struct glint_matte_type type[GLINT_MAX_MATTE_TYPES];
     const size_t types = glint_matte_types(info->job, outputs, type);
@@ -56,7 +56,7 @@ static struct glint_matte_found *look(const struct glint_film_info *info, const 
     struct glint_matte_found *list = malloc((most + 1) * sizeof *list), *out;
     *count = 0;
     for (size_t t = 0; list && samples && t < types; t++)
-        *count += add_ranks(info, table, samples, &type[t], ranks, list + *count);
+        *count += add_ranks(info, samples, &type[t], ranks, list + *count);
     out = list ? with_names(list, *count) : NULL;
     free(list);
     return out;
@@ -86,8 +86,9 @@ glint_status glint_film_pick(const struct glint_film_source *s, uint32_t x, uint
     const uint32_t i = glint_film_shown_as(&pixels, at);
     const uint32_t samples =
         glint_film_samples_of(&pixels, i, 0) + glint_film_samples_of(&pixels, i, 1);
-    *out = look(info, pixels.table + (size_t)i * glint_film_info_words(info), samples, outputs,
-                &ranks, count);
+    if (pixels.table)
+        glint_film_held_read(info, pixels.table, i, &ranks.held);
+    *out = look(info, samples, outputs, &ranks, count);
     s->end(s->user, tile);
     glint_film_ranks_finish(&ranks);
     return *out ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for names");

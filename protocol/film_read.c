@@ -141,7 +141,7 @@ static bool samples_agree(const glint_film_file *f, uint32_t samples)
 static void widen(const glint_film_file *f, void *memory)
 {
     const struct glint_film_info *info = &f->header->info;
-    const uint32_t slots = glint_film_info_slots(info), words = glint_film_info_words(info);
+    const uint32_t slots = glint_film_info_slots(info), words = slots + GK_MATTE_LOST_WORDS;
     const bool bounces = glint_matte_classes(info->job) > 0;
     uint64_t *table = (uint64_t *)(void *)((uint8_t *)memory + glint_film_info_plane_bytes(info));
     for (size_t i = GK_TILE_PIXELS; i-- > 0;) {
@@ -161,19 +161,20 @@ static bool unpack(const glint_film_file *f, const uint8_t *packed, size_t size,
     return true;
 }
 
-// Keys of tables are indices and classes.
+// Keys of slots and of places are indices and classes.
 static bool keys_exist(const glint_film_file *f, const void *memory)
 {
     const struct glint_film_info *info = &f->header->info;
     const uint64_t *table = (const uint64_t *)(const void *)((const uint8_t *)memory +
                                                              glint_film_info_plane_bytes(info));
-    const uint32_t slots = glint_film_info_slots(info), classes = glint_matte_classes(info->job);
-    for (uint32_t i = 0; info->coverage && i < GK_TILE_PIXELS; i++)
-        for (uint32_t s = 0; s < slots; s++) {
-            const uint32_t key = gk_matte_key(table[(size_t)i * (slots + GK_MATTE_LOST_WORDS) + s]);
-            if ((key & GK_MATTE_BASE_KEY) >= info->mattes || gk_matte_class(key) > classes)
-                return false;
-        }
+    const uint32_t slots = glint_film_info_slots(info), words = glint_film_info_words(info);
+    const uint32_t lost = slots + GK_MATTE_LOST_WORDS, classes = glint_matte_classes(info->job);
+    for (size_t i = 0; info->coverage && i < (size_t)GK_TILE_PIXELS * words; i++) {
+        const uint32_t key = gk_matte_key(table[i]), word = (uint32_t)(i % words);
+        const bool counts = word >= slots && word < lost;
+        if (!counts && ((key & GK_MATTE_BASE_KEY) >= info->mattes || gk_matte_class(key) > classes))
+            return false;
+    }
     return true;
 }
 

@@ -19,6 +19,8 @@ UNIT_TESTS = \
 	tests/kernel/test_math \
 	tests/kernel/test_matte \
 	tests/kernel/test_matte_shared \
+	tests/kernel/test_matte_spill \
+	tests/kernel/test_matte_steps \
 	tests/kernel/test_medium \
 	tests/kernel/test_motion_keys \
 	tests/kernel/test_sampler \
@@ -190,7 +192,7 @@ EXTRA_PROGRAMS += tests/accuracy/mattes tests/accuracy/strips tests/accuracy/var
 	tests/bench/memory tests/bench/million_scene tests/bench/stream_load
 tests_accuracy_mattes_SOURCES = tests/accuracy/mattes.c tests/accuracy/replay.c \
 	tests/accuracy/replay_chao.c tests/accuracy/replay.h $(offline)
-tests_accuracy_mattes_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_run_deposit_seen \
+tests_accuracy_mattes_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_run_deposit_pixels \
 	-Wl,--wrap=glint_carried_deposit
 tests_accuracy_variance_SOURCES = tests/accuracy/variance.c tests/accuracy/replay.c \
 	tests/accuracy/replay_chao.c tests/accuracy/replay.h $(offline)
@@ -325,7 +327,7 @@ SCRIPT_TESTS = \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
-dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/accuracy/strips_plot.py tests/accuracy/choose tests/accuracy/policies tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised \
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/accuracy/strips_plot.py tests/accuracy/choose tests/accuracy/policies tests/accuracy/policies_plot.py tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised \
 	tests/stability/matrix tests/stability/nightly
 dist_check_DATA += tests/bench/README.md tests/bench/every_effect.py tests/bench/history.csv tests/bench/million_blend.py \
 	tests/clients/blender_cryptomatte.py tests/clients/browser.py tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \

@@ -31,11 +31,7 @@ struct wish {
 // What was done.
 struct outcome {
     const char *type;
-    bool albedo; // the old colours come from it
-    struct {
-        struct glint_rgb old;
-        double pixels;
-    } name[MAX_NAMES];
+    struct glint_recoloured name[MAX_NAMES];
 };
 
 static glint_status read_wish(struct wish *w, struct glint_session *s,
@@ -145,8 +141,8 @@ static glint_status recolour_name(const struct wish *w, const struct glint_image
     if (!status)
         status = glint_through_matte(file->frame, o->type, NULL, id, matte + pixels, err);
     if (!status)
-        status = glint_recolour(r, &o->name[i].old, &o->name[i].pixels, err);
-    if (status == GLINT_OK && o->name[i].pixels <= 0)
+        status = glint_recolour(r, &o->name[i], err);
+    if (status == GLINT_OK && o->name[i].covered <= 0)
         status =
             glint_fail(err, GLINT_E_NOT_FOUND, "", "nothing of '%s' is in the picture", w->name[i]);
     free(matte);
@@ -164,8 +160,7 @@ static glint_status recolour(const struct wish *w, const struct glint_image_file
         status = glint_image_file_type(file, w->layer, &o->type, err);
     if (!status)
         status = glint_image_file_ids(file, o->type, w->name, w->names, id, err);
-    o->albedo = glint_rgb_planes(file->frame, "albedo", r.albedo);
-    if (!o->albedo)
+    if (!glint_rgb_planes(file->frame, "albedo", r.albedo))
         r.albedo[0] = NULL;
     for (size_t i = 0; i < w->names && !status; i++)
         status = recolour_name(w, file, &r, i, id[i], o, err);
@@ -214,7 +209,7 @@ static void print_report(const struct wish *w, const struct outcome *o)
     for (size_t i = 0; i < w->names; i++) {
         const double *from = o->name[i].old.c;
         glint_print_plain(stdout, w->name[i]);
-        printf(": %.4g pixels, %.3f,%.3f,%.3f is now %.3f,%.3f,%.3f\n", o->name[i].pixels, from[0],
+        printf(": %.4g pixels, %.3f,%.3f,%.3f is now %.3f,%.3f,%.3f\n", o->name[i].covered, from[0],
                from[1], from[2], to[0], to[1], to[2]);
     }
 }
@@ -229,13 +224,13 @@ static void report(const struct glint_session *s, const struct wish *w, const st
     cJSON_AddStringToObject(document, "file", w->output);
     cJSON_AddStringToObject(document, "layer", o->type);
     cJSON_AddItemToObject(document, "color", cJSON_CreateDoubleArray(w->colour.c, 3));
-    cJSON_AddStringToObject(document, "old_from", o->albedo ? "albedo" : "picture");
     cJSON *names = cJSON_AddArrayToObject(document, "names");
     for (size_t i = 0; i < w->names; i++) {
         cJSON *name = cJSON_CreateObject();
         cJSON_AddStringToObject(name, "name", w->name[i]);
-        cJSON_AddNumberToObject(name, "pixels", o->name[i].pixels);
+        cJSON_AddNumberToObject(name, "pixels", o->name[i].covered);
         cJSON_AddItemToObject(name, "old", cJSON_CreateDoubleArray(o->name[i].old.c, 3));
+        cJSON_AddStringToObject(name, "old_from", o->name[i].by_albedo ? "albedo" : "picture");
         cJSON_AddItemToArray(names, name);
     }
     glint_session_print(document);
@@ -283,8 +278,8 @@ const struct glint_command glint_command_recolor = {
     .detail = "FRAME is an EXR file with Cryptomatte layers, of glint or another renderer; JOB\n"
               "a job whose frame is downloaded. Hue and saturation become the new colour's,\n"
               "the light that falls on the surface stays, and so do edges. With albedo\n"
-              "channels in the picture the old colour is known from them; without,\n"
-              "brightness is kept.",
+              "channels in the picture the old colour of what is seen directly is known\n"
+              "from them; of anything else brightness is kept.",
     .options = options,
     .least = 1,
     .most = 1,

@@ -63,10 +63,11 @@ static int leading(struct glint_rgb colour)
     return colour.c[2] > colour.c[j] ? 2 : j;
 }
 
-static struct glint_rgb old_colour(const struct glint_recolour *r)
+static struct glint_rgb old_colour(const struct glint_recolour *r, bool *by_albedo)
 {
     struct glint_rgb a;
-    if (r->albedo[0] && mean(r, r->direct, r->albedo, &a)) {
+    *by_albedo = r->albedo[0] && mean(r, r->direct, r->albedo, &a);
+    if (*by_albedo) {
         const int j = leading(a);
         a.c[j] = fmax(a.c[j], DARKEST);
         return a;
@@ -163,16 +164,16 @@ static glint_status change_albedo(const struct glint_recolour *r, const struct t
     return st;
 }
 
-glint_status glint_recolour(const struct glint_recolour *r, struct glint_rgb *old, double *covered,
+glint_status glint_recolour(const struct glint_recolour *r, struct glint_recoloured *out,
                             struct glint_error *err)
 {
-    *covered = 0;
+    *out = (struct glint_recoloured){0};
     for (size_t i = 0; i < (size_t)r->width * r->height; i++)
-        *covered += usable(r->matte[i]) ? fmin(r->matte[i], 1) : 0;
-    if (*covered <= 0)
+        out->covered += usable(r->matte[i]) ? fmin(r->matte[i], 1) : 0;
+    if (out->covered <= 0)
         return GLINT_OK;
-    *old = old_colour(r);
-    const struct transform t = make_transform(*old, r->colour);
+    out->old = old_colour(r, &out->by_albedo);
+    const struct transform t = make_transform(out->old, r->colour);
     glint_status status = change(r, r->matte, &t, r->picture, err);
     if (!status && r->albedo[0])
         status = change_albedo(r, &t, err);

@@ -36,9 +36,13 @@ struct glint_recolour {
     struct glint_rgb colour;
 };
 
-// *old: the colour that was there; *covered: pixels of the matte, 0: nothing was changed.
+struct glint_recoloured {
+    struct glint_rgb old; // the colour that was there
+    bool by_albedo;       // known from the albedo of what is seen directly; else from the picture
+    double covered;       // pixels of the matte, 0: nothing was changed
+};
 // GLINT_E_NOMEM only.
-glint_status glint_recolour(const struct glint_recolour *r, struct glint_rgb *old, double *covered,
+glint_status glint_recolour(const struct glint_recolour *r, struct glint_recoloured *out,
                             struct glint_error *err);
 
 #endif

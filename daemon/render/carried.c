@@ -9,7 +9,7 @@
 
 static size_t table_bytes(const struct glint_run *r)
 {
-    return (size_t)GK_TILE_PIXELS * (r->job->matte_slots + GK_MATTE_LOST_WORDS) * 8;
+    return (size_t)GK_TILE_PIXELS * gk_matte_words(r->job->matte_slots, r->job->matte_policy) * 8;
 }
 
 // Different for every launch on every pixel: the draws of unbiased eviction are taken from it.

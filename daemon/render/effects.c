@@ -171,7 +171,8 @@ static size_t flow_bytes(const struct glint_job *job, const struct glint_scene_f
 
 static size_t coverage_bytes(const struct glint_job *job, const struct glint_scene_facts *facts)
 {
-    return ((size_t)glint_matte_slots(job, facts->mattes) + GK_MATTE_LOST_WORDS) * 8;
+    const uint32_t slots = glint_matte_slots(job, facts->mattes);
+    return (size_t)gk_matte_words(slots, job->dial[GLINT_DIAL_EVICTION]) * 8;
 }
 
 #define NO_DIAL GLINT_DIAL_COUNT

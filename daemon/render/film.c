@@ -69,7 +69,10 @@ glint_status glint_film_create(glint_film **out, glint_devices *devices,
     f->batch_words = (GK_PLANES_BASE + (aovs ? GK_PLANES_AOV : 0) + (flow ? GK_PLANES_FLOW : 0)) *
                      GK_TILE_PIXELS;
     f->tile_words = f->batch_words + (batches ? GK_PLANES_BATCHES * GK_TILE_PIXELS : 0);
-    f->tile_slots = coverage ? (slots + GK_MATTE_LOST_WORDS) * GK_TILE_PIXELS : 0;
+    f->tile_slots =
+        coverage ? gk_matte_words(slots, job->dial[GLINT_DIAL_EVICTION]) * GK_TILE_PIXELS : 0;
+    f->shared_words =
+        job->dial[GLINT_DIAL_EVICTION] == GLINT_EVICTION_SPILL ? GK_MATTE_SPILL_WORDS : 0;
     const size_t largest = f->tile_slots * (size_t)8 > f->tile_words * (size_t)4
                                ? f->tile_slots * (size_t)8
                                : f->tile_words * (size_t)4;

@@ -26,7 +26,8 @@ struct glint_film {
     uint32_t tile_words;  // of planes
     uint32_t batch_words; // of those before the batches
     bool aovs;
-    uint32_t tile_slots; // of tables, 0 without coverage
+    uint32_t tile_slots;   // of tables, 0 without coverage
+    uint32_t shared_words; // of a pixel's table that all pixels of the tile use
     uint32_t tiles_per_buffer, buffers;
     glint_buffer **planes, **tables; // [buffers]
     pthread_mutex_t mutex;           // guards `tile` and what follows; no call is made under it

@@ -19,6 +19,19 @@ static uint32_t pixel_of(uint32_t x, uint32_t y)
     return y % GK_TILE_SIDE * GK_TILE_SIDE + x % GK_TILE_SIDE;
 }
 
+// Without what it has in the places of its tile: of one sample that is next to nothing.
+static void copy_table(const glint_film *f, const struct spot *to, const struct spot *from)
+{
+    const uint32_t words = f->tile_slots / GK_TILE_PIXELS, own = words - f->shared_words;
+    uint64_t *out =
+        (uint64_t *)glint_buffer_host(to->at.tables) + to->at.tables_offset + to->i * words;
+    memcpy(out,
+           (const uint64_t *)glint_buffer_host(from->at.tables) + from->at.tables_offset +
+               from->i * words,
+           own * sizeof *out);
+    memset(out + own, 0, f->shared_words * sizeof *out);
+}
+
 static void copy_pixel(const glint_film *f, const struct spot *to, const struct spot *from)
 {
     uint32_t *out = (uint32_t *)glint_buffer_host(to->at.planes) + to->at.planes_offset + to->i;
@@ -26,12 +39,8 @@ static void copy_pixel(const glint_film *f, const struct spot *to, const struct 
         (const uint32_t *)glint_buffer_host(from->at.planes) + from->at.planes_offset + from->i;
     for (uint32_t w = 0; w < f->tile_words; w += GK_TILE_PIXELS)
         out[w] = in[w];
-    const uint32_t slots = f->tile_slots / GK_TILE_PIXELS;
-    if (slots)
-        memcpy((uint64_t *)glint_buffer_host(to->at.tables) + to->at.tables_offset + to->i * slots,
-               (const uint64_t *)glint_buffer_host(from->at.tables) + from->at.tables_offset +
-                   from->i * slots,
-               slots * sizeof(uint64_t));
+    if (f->tile_slots)
+        copy_table(f, to, from);
 }
 
 void glint_film_spread(glint_film *f, uint32_t column, uint32_t row, const glint_film *from,

@@ -37,9 +37,10 @@ static uint64_t table_bytes(const struct glint_resident *scene, const struct gli
 {
     const uint32_t slots = glint_matte_slots(job, glint_resident_facts(scene)->mattes);
     const bool carried = job->outputs & GLINT_OUT_CRYPTO && glint_matte_classes(job) > 0;
-    return carried ? GLINT_WAVE_LANES *
-                         (8ull * (slots + GK_MATTE_LOST_WORDS) + 4ull * glint_matte_rows(job))
-                   : 0;
+    return carried
+               ? GLINT_WAVE_LANES * (8ull * gk_matte_words(slots, job->dial[GLINT_DIAL_EVICTION]) +
+                                     4ull * glint_matte_rows(job))
+               : 0;
 }
 
 uint64_t glint_render_wave_bytes(const struct glint_resident *scene, const struct glint_job *job,

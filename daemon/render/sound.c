@@ -46,7 +46,8 @@ static glint_status add_lost(struct glint_run *run, const struct glint_film_tile
                              uint32_t tile_in_block)
 {
     (void)tile_in_block;
-    const uint32_t slots = run->job->matte_slots, words = slots + GK_MATTE_LOST_WORDS;
+    const uint32_t slots = run->job->matte_slots,
+                   words = gk_matte_words(slots, run->job->matte_policy);
     const uint64_t *table = (const uint64_t *)glint_buffer_host(at->tables) + at->tables_offset;
     for (uint32_t i = 0; i < GK_TILE_PIXELS; i++)
         run->lost += table[i * words + slots + GK_MATTE_LOST_PRIMARY] +

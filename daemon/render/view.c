@@ -29,7 +29,8 @@ _Static_assert((int)GLINT_EVICTION_EXACT == GK_MATTE_EXACT &&
                    (int)GLINT_EVICTION_DROP == GK_MATTE_DROP &&
                    (int)GLINT_EVICTION_DIRECT_FIRST == GK_MATTE_DIRECT_FIRST &&
                    (int)GLINT_EVICTION_USS == GK_MATTE_USS &&
-                   (int)GLINT_EVICTION_USS_DIRECT_FIRST == GK_MATTE_USS_DIRECT_FIRST,
+                   (int)GLINT_EVICTION_USS_DIRECT_FIRST == GK_MATTE_USS_DIRECT_FIRST &&
+                   (int)GLINT_EVICTION_SPILL == GK_MATTE_SPILL,
                "settings of the dial are the kernels' policies");
 
 static void fill_wave_job(struct glint_view *v)

@@ -27,11 +27,10 @@ static const uint32_t slot_numbers[] = {4, 6, 8, 12, 16, 24, 32};
 static const struct {
     uint32_t policy;
     const char *name;
-} policies[] = {{GK_MATTE_DROP, "drop"},
-                {GK_MATTE_DIRECT_FIRST, "direct_first"},
-                {GK_MATTE_USS, "uss"},
-                {GK_MATTE_USS_DIRECT_FIRST, "uss_direct_first"},
-                {REPLAY_CHAO, "chao"}};
+} policies[] = {{GK_MATTE_DROP, "drop"},   {GK_MATTE_DIRECT_FIRST, "direct_first"},
+                {GK_MATTE_USS, "uss"},     {GK_MATTE_USS_DIRECT_FIRST, "uss_direct_first"},
+                {GK_MATTE_SPILL, "spill"}, {REPLAY_CHAO, "chao"},
+                {REPLAY_BEST, "best"}};
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 #define SETTINGS (COUNT(slot_numbers) * COUNT(policies))
 #define RANKS 6

@@ -37,7 +37,7 @@ static uint32_t free_slot(const uint64_t *table, uint32_t slots)
 }
 
 static void put_direct(uint64_t *table, uint32_t slots, uint32_t key, uint64_t amount,
-                       uint32_t random)
+                       uint32_t random, struct gk_matte_lost *lost)
 {
     uint32_t at = 0;
     while (at < slots && gk_matte_key(table[at]) != key)
@@ -48,14 +48,14 @@ static void put_direct(uint64_t *table, uint32_t slots, uint32_t key, uint64_t a
     if (at < slots)
         table[at] = gk_matte_pack(key, 1, gk_matte_amount(table[at]) + amount);
     else
-        table[REPLAY_MAX_SLOTS + GK_MATTE_LOST_PRIMARY] += amount;
+        lost->primary += amount;
 }
 
 void replay_chao(uint64_t *table, uint64_t *total, uint32_t slots, uint32_t key, uint64_t amount,
-                 uint32_t random)
+                 uint32_t random, struct gk_matte_lost *lost)
 {
     if (gk_matte_primary(key)) {
-        put_direct(table, slots, key, amount, random);
+        put_direct(table, slots, key, amount, random, lost);
         return;
     }
     const uint32_t empty = free_slot(table, slots), n = count(table, slots);

@@ -43,7 +43,7 @@ static uint64_t deposit(volatile uint64_t *table, uint32_t slots, uint32_t key, 
                         uint64_t amount, uint32_t policy, uint32_t random)
 {
     struct gk_matte_lost lost = {0, 0};
-    gk_matte_deposit_shared(table, slots, key, direct, amount, policy, random, &lost);
+    gk_matte_deposit_shared(table, 0, slots, key, direct, amount, policy, random, &lost);
     return lost.primary + lost.bounced;
 }
 
@@ -62,7 +62,7 @@ static void alone_it_gives_what_the_owners_form_gives(void **state)
             const uint64_t amount = check_random(&seed) >> 48;
             const uint32_t random = (uint32_t)check_random(&seed), policy = (uint32_t)round % 5;
             gk_matte_deposit(owner, SLOTS, key, direct, amount, policy, random, &lost);
-            gk_matte_deposit_shared(shared, SLOTS, key, direct, amount, policy, random,
+            gk_matte_deposit_shared(shared, 0, SLOTS, key, direct, amount, policy, random,
                                     &lost_shared);
         }
         assert_memory_equal(owner, shared, sizeof owner);

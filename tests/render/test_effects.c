@@ -112,7 +112,8 @@ static void forcing_all_that_is_uncalled_changes_no_bit(void **state)
 #define LIGHT_PASSES (1u << GLINT_PASS_SHADOW | 1u << GLINT_PASS_UNOCCLUDED)
 
 // Planes of 4 bytes: two halves of three colour sums of two words, hits and rejections make 14;
-// AOVs add depth and six sums of two words, mattes 8 bytes for each slot and twice for what found none.
+// AOVs add depth and six sums of two words, mattes 8 bytes for each slot, twice for what found none and
+// ten times for places of the tile.
 static const struct effect_order with_aovs = {"'beauty','depth'", "box", "", 3};
 static const struct effect_order with_mattes = {"'beauty','crypto_object'", "box",
                                                 "'mattes':{'slots':14},", 3};
@@ -134,7 +135,7 @@ static const struct smallest {
     {&effect_sky, &with_aovs, "-DGK_ENVIRONMENT_CONSTANT -DGK_AOVS",
      BASE_PASSES | 1u << GLINT_PASS_AOVS, 80 + 13 * 4},
     {&effect_sky, &with_mattes, "-DGK_ENVIRONMENT_CONSTANT",
-     BASE_PASSES | 1u << GLINT_PASS_COVERAGE, 80 + 16 * 8},
+     BASE_PASSES | 1u << GLINT_PASS_COVERAGE, 80 + 26 * 8},
 };
 
 static void automatic_plan_is_the_smallest(void **state)

@@ -307,12 +307,63 @@ static void weights_above_one_cut_a_ten_thousandth_at_most(void **state)
     }
 }
 
+static void shoot_part(struct shot *s, glint_resident *scene, const char *eviction)
+{
+    char *job = stable_text("{'scene':'s','resolution':[160,90],'region':[56,28,48,32],'stop':{"
+                            "'samples':32},'outputs':['beauty','crypto_object'],'mattes':{"
+                            "'through':'glossy','eviction':'%s'}}",
+                            eviction);
+    shoot(s, scene, job);
+    free(job);
+}
+
+// Share of the pixels of a part of a demo scene, 160 x 90 as a whole, with coverages that are not those
+// of exact eviction to 1/255.
+static double inexact(glint_resident *scene, const struct shot *exact, const char *eviction)
+{
+    struct shot s;
+    size_t off = 0;
+    shoot_part(&s, scene, eviction);
+    for (size_t i = 0; i < pixels(s.frame); i++) {
+        bool same = true;
+        for (uint32_t k = 0; k < 6; k++) {
+            const uint32_t id = rank_id(exact->frame, "CryptoGlossObject", k, i);
+            const double truth = coverage_of_id(exact->frame, "CryptoGlossObject", id, i);
+            const double ours = coverage_of_id(s.frame, "CryptoGlossObject", id, i);
+            same &= fabs(truth - ours) <= 1.0 / 255;
+        }
+        off += !same;
+    }
+    const double share = (double)off / (double)pixels(s.frame);
+    finish_shot(&s);
+    return share;
+}
+
+static void twelve_slots_and_places_give_the_mattes_of_exact_eviction(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {"shelves", "plant", "cluster"};
+    for (size_t i = 0; i < COUNT(scenes); i++) {
+        struct shot exact;
+        glint_resident *scene = demo_scene(scenes[i]);
+        shoot_part(&exact, scene, "exact");
+        const double off = inexact(scene, &exact, "spill");
+        const double before = inexact(scene, &exact, "uss_direct_first");
+        print_message("# %s: %.5f of the pixels are off, %.5f with slots alone\n", scenes[i], off,
+                      before);
+        assert_true(off <= 0.001 && before > 0.001);
+        finish_shot(&exact);
+        glint_resident_release(&scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(solid_glass_hands_on_what_it_lets_through),
         cmocka_unit_test(rough_metal_behind_a_pane_is_shared_by_all_that_it_shows),
         cmocka_unit_test(weights_above_one_cut_a_ten_thousandth_at_most),
+        cmocka_unit_test(twelve_slots_and_places_give_the_mattes_of_exact_eviction),
     };
     return cmocka_run_group_tests(tests, things_start, things_finish);
 }

@@ -393,7 +393,8 @@ static void what_finds_no_slot_is_reported_and_credited_to_nobody(void **state)
         char mattes[64];
         double covered[STRIPS] = {0}, kept = 0.0;
         struct shot s;
-        snprintf(mattes, sizeof mattes, "\"mattes\":{\"levels\":6,\"slots\":%u},", slots);
+        snprintf(mattes, sizeof mattes,
+                 "\"mattes\":{\"levels\":6,\"slots\":%u,\"eviction\":\"drop\"},", slots);
         shoot_strips(&s, 0, STRIPS, mattes);
         const double lost = strip_totals(&s, covered);
         uint32_t held = 0;
@@ -408,6 +409,19 @@ static void what_finds_no_slot_is_reported_and_credited_to_nobody(void **state)
         assert_float_equal(strips_together(&s), kept, 1e-6);
         finish_shot(&s);
     }
+}
+
+static void what_finds_no_slot_has_a_place_of_its_tile(void **state)
+{
+    (void)state;
+    double truth[STRIPS] = {0}, covered[STRIPS] = {0};
+    struct shot s;
+    true_coverages(truth);
+    shoot_strips(&s, 0, STRIPS, "\"mattes\":{\"levels\":2,\"slots\":4},");
+    assert_true(strip_totals(&s, covered) == 0.0);
+    assert_memory_equal(covered, truth, sizeof truth);
+    assert_float_equal(strips_together(&s), 1.0, 1e-6);
+    finish_shot(&s);
 }
 
 static void exact_eviction_keeps_all_that_a_pixel_shows(void **state)
@@ -450,6 +464,7 @@ int main(void)
         cmocka_unit_test(ranks_descend_each_id_has_one_and_so_has_the_background),
         cmocka_unit_test(fewer_levels_are_the_first_ranks_of_more_whatever_the_slots),
         cmocka_unit_test(what_finds_no_slot_is_reported_and_credited_to_nobody),
+        cmocka_unit_test(what_finds_no_slot_has_a_place_of_its_tile),
         cmocka_unit_test(exact_eviction_keeps_all_that_a_pixel_shows),
         cmocka_unit_test(both_evictions_keep_the_same_of_what_is_seen_directly),
     };

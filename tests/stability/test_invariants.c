@@ -117,8 +117,8 @@ static void coverage_that_finds_no_slot_is_counted_to_the_unit(void **state)
 {
     (void)state;
     static const char *const mattes[] = {
-        BOX "\"mattes\":{\"levels\":2,\"slots\":4},",
-        BOX "\"mattes\":{\"levels\":2,\"slots\":4,\"through\":\"glossy\"},"};
+        BOX "\"mattes\":{\"levels\":2,\"slots\":4,\"eviction\":\"drop\"},",
+        BOX "\"mattes\":{\"levels\":2,\"slots\":4,\"eviction\":\"drop\",\"through\":\"glossy\"},"};
     struct thing strip[STRIPS];
     lay_strips(strip);
     for (size_t i = 0; i < COUNT(mattes); i++) {

@@ -1,8 +1,9 @@
 // Sums of tiles added up word for word, and rectangles of tiles read pixel for pixel.
 #include "kernels/gk_film.h"
-#include "kernels/gk_matte.h"
+#include "kernels/gk_matte_spill.h"
 #include "protocol/film.h"
 #include "protocol/film_add.h"
+#include "protocol/film_parts.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -91,13 +92,42 @@ static void full_tables_add_up_to_the_units_of_both_by_their_kind(void **state)
             fill_table(from, policy, 500000 + 1000 * policy + seed);
             add_units(before, to);
             add_units(before, from);
-            glint_film_add_table(&of, to, from);
+            glint_film_add_table(&of, to, 0, from, 0);
             add_units(after, to);
             assert_true(before[0] == after[0] && before[1] == after[1]);
             lost[0] += to[SLOTS + GK_MATTE_LOST_PRIMARY];
             lost[1] += to[SLOTS + GK_MATTE_LOST_BOUNCED];
         }
     assert_true(lost[0] > 0 && lost[1] > 0);
+}
+
+// Pixels that held their names in places of one tile hold them in another, at another pixel.
+static void places_of_two_tiles_add_up_by_pixel_and_name(void **state)
+{
+    (void)state;
+    enum { PLACED = TABLE + GK_MATTE_SPILL_WORDS, NAMES = 30 };
+    static uint64_t from[GK_TILE_PIXELS * PLACED], to[GK_TILE_PIXELS * PLACED];
+    struct glint_job crowded = {.matte_slots = SLOTS};
+    const struct glint_film_info of = {.job = &crowded, .mattes = NAMES + 1};
+    uint64_t slot[NAMES + GK_MATTE_SPILL_PLACES];
+    struct glint_film_held held = {slot, 0};
+    struct gk_matte_lost lost = {0, 0};
+    crowded.dial[GLINT_DIAL_EVICTION] = GLINT_EVICTION_SPILL;
+    for (uint32_t pixel = 0; pixel < 15; pixel += 5)
+        for (uint32_t k = 1; k <= NAMES; k++) {
+            gk_matte_deposit_tile(from, pixel, SLOTS, k, 1, 100 * pixel + k, GK_MATTE_SPILL, 0,
+                                  &lost);
+            gk_matte_deposit_tile(to, 239 + pixel, SLOTS, k, 1, 7, GK_MATTE_SPILL, 0, &lost);
+        }
+    for (uint32_t pixel = 0; pixel < 15; pixel += 5)
+        assert_true(glint_film_add_table(&of, to, 239 + pixel, from, pixel) == 0);
+    for (uint32_t pixel = 0; pixel < 15; pixel += 5) {
+        glint_film_held_read(&of, to, 239 + pixel, &held);
+        assert_int_equal(held.count, NAMES);
+        for (uint32_t i = 0; i < NAMES; i++)
+            assert_true(gk_matte_amount(slot[i]) == 100 * pixel + gk_matte_key(slot[i]) + 7);
+    }
+    assert_true(lost.primary == 0 && lost.bounced == 0);
 }
 
 // ---- rectangles
@@ -169,6 +199,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(films_add_up_to_the_words_of_one),
         cmocka_unit_test(full_tables_add_up_to_the_units_of_both_by_their_kind),
+        cmocka_unit_test(places_of_two_tiles_add_up_by_pixel_and_name),
         cmocka_unit_test(every_rectangle_has_the_pixels_of_its_tiles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
