@@ -66,7 +66,7 @@ static inline void odds_report(const char *file, const char *test, const char *k
 #define assert_odds_of(test, difference, error, slack)                                             \
     do {                                                                                           \
         const double odds_d = (difference), odds_e = (error), odds_s = (slack);                    \
-        odds_report(__FILE__, test, odds_s > 0 ? "slack" : "normal", odds_d / odds_e, odds_e);     \
+        odds_note(__FILE__, test, odds_s > 0 ? "slack" : "normal", odds_d, odds_e);                \
         if (!(fabs(odds_d) <= ODDS_Z * odds_e + odds_s))                                           \
             fail_msg("%s is %.9g, over %.9g + %.3g", #difference, odds_d, ODDS_Z *odds_e, odds_s); \
     } while (0)

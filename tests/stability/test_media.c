@@ -13,10 +13,16 @@ static struct offline o;
 #define WHITE "'environment':{'radiance':[1,1,1]},"
 #define SHEETS "'meshes':{'sheet':{'primitive':'quad','size':[40,40]}},"
 
+// With the standard error that the halves of each pixel tell: pixels need not show the same.
 static struct stable_mean mean_of(char *scene, const char *job)
 {
     struct glint_frame *f = stable_frame(&o, scene, stable_job(job));
-    const struct stable_mean m = stable_mean(f, "G");
+    struct stable_mean m = stable_mean(f, "G");
+    const float *v = glint_frame_find(f, "variance.G");
+    double sum = 0.0;
+    for (size_t i = 0; i < stable_pixels(f); i++)
+        sum += v[i];
+    m.error = sqrt(sum) / (double)stable_pixels(f);
     glint_frame_destroy(&f);
     return m;
 }
@@ -195,11 +201,11 @@ static void what_is_inside_a_solid_is_seen_through_its_part(void **state)
         "'ior':1,'emission':[1,1,1]}},'instances':{'cube':{'mesh':'cube','material':'glass'},"
         "'lamp':{'mesh':'sheet','material':'lamp','transform':{'translation':[0,0,0.2],"
         "'scale':[0.01,0.01,1]}}}," EYE(5) "}");
-    assert_mean(mean_of(lamp, "'resolution':[16,16],'stop':{'samples':16}"), pow(0.25, 0.6), 1e-5);
+    assert_mean(mean_of(lamp, "'resolution':[16,16],'stop':{'samples':16}"), pow(0.25, 0.6), 2e-5);
     char *eye =
         stable_text("{" WHITE CUBES "'materials':{'glass':" SMOKE "},"
                     "'instances':{'cube':{'mesh':'cube','material':'glass'}}," EYE(-0.3) "}");
-    assert_mean(mean_of(eye, "'resolution':[16,16],'stop':{'samples':16}"), pow(0.25, 0.4), 1e-5);
+    assert_mean(mean_of(eye, "'resolution':[16,16],'stop':{'samples':16}"), pow(0.25, 0.4), 2e-5);
 }
 
 // A block of glass, with or without others of lower priority in it and sticking out of it.
@@ -226,11 +232,12 @@ static void where_solids_overlap_the_highest_priority_is_there(void **state)
                 more[i]),
             "'resolution':[48,32],'max_bounces':24,'stop':{'samples':64}");
     m[0].error = sqrt(m[0].error * m[0].error + m[1].error * m[1].error);
-    assert_mean(m[0], m[1].mean, 0.0);
+    assert_mean(m[0], m[1].mean, 1e-6); // of the same samples: far closer than chance
 }
 
 // Eight balls of clear glasses, one in the other or overlapping, in white light: nothing is lost,
-// nothing is gained, but for the few paths that run along a ball inside of it for ever.
+// nothing is gained, but for what the angle between facets and their shading normals takes: 6e-3 of
+// balls of 48 segments, 4e-4 of 160.
 static void eight_nested_glasses_are_invisible_in_white_light(void **state)
 {
     (void)state;
@@ -251,7 +258,7 @@ static void eight_nested_glasses_are_invisible_in_white_light(void **state)
                      ball[i][3]);
         }
         char *scene = stable_text(
-            "{" WHITE "'meshes':{'ball':{'primitive':'sphere','segments':48}},'materials':{%s},"
+            "{" WHITE "'meshes':{'ball':{'primitive':'sphere','segments':160}},'materials':{%s},"
             "'instances':{%s},'cameras':{'eye':{'yfov':0.5,'transform':{'translation':[%s]}}}}",
             material, instance, inside ? "0.1,0.05,0.1" : "0,0,7");
         assert_mean(mean_of(scene, "'resolution':[24,24],'max_bounces':1024,"
