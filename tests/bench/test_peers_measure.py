@@ -69,9 +69,17 @@ def test_one_wild_pixel_is_in_the_error_and_not_in_the_trimmed_one():
 def test_a_darker_picture_and_one_of_other_shading_render_something_else():
     ours = picture()
     shaded = ours * np.linspace(.85, 1.15, SIDE)[None, :, None] # its mean is ours
-    assert measure.agreement(ours, noisy(ours, .05, 5))["same"]
-    assert not measure.agreement(ours, ours * .96)["same"]
-    assert not measure.agreement(ours, shaded)["same"]
+    assert measure.agreement(ours, noisy(ours, .05, 5), .001)["same"]
+    assert not measure.agreement(ours, ours * .94, .001)["same"]
+    assert not measure.agreement(ours, shaded, .001)["same"]
+
+
+def test_references_too_noisy_to_compare_do_not_agree():
+    ours = picture()
+    a, b = noisy(ours, 1, 6), noisy(ours, 1, 7)
+    assert not measure.agreement(ours, ours, measure.block_noise(a, b))["resolved"]
+    a, b = noisy(ours, .05, 6), noisy(ours, .05, 7)
+    assert measure.agreement(ours, ours, measure.block_noise(a, b))["resolved"]
 
 
 def test_the_interval_of_a_ratio_is_of_pairs():

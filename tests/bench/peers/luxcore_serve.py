@@ -35,20 +35,19 @@ class Description:
             value = value if isinstance(value, list) else [value]
             self.properties.Set(pyluxcore.Property(f"{prefix}.{name.replace('_', '.')}", value))
 
-    def picture(self, path, nearest, channel):
+    def picture(self, path, nearest):
         """The name of an image of linear values."""
-        key = path, channel
-        if key not in self.textures:
-            name = self.textures[key] = f"picture{len(self.textures)}"
+        if path not in self.textures:
+            name = self.textures[path] = f"picture{len(self.textures)}"
             self.put(f"scene.textures.{name}", type="imagemap", file=path, gamma=1.0,
-                     channel=channel, filter="nearest" if nearest else "linear")
-        return self.textures[key]
+                     filter="nearest" if nearest else "linear")
+        return self.textures[path]
 
     def colour(self, m):
         if "base_color_linear" not in m:
             return [float(c) for c in m["base_color"]]
         return self.picture(m["base_color_linear"],
-                            m["base_color_texture"]["filter"] == "nearest", "default")
+                            m["base_color_texture"]["filter"] == "nearest")
 
 
 def material(d, name, m):
@@ -70,15 +69,14 @@ def material(d, name, m):
         d.put(prefix, type="disney", basecolor=d.colour(m), metallic=float(m["metallic"]),
               roughness=float(m["roughness"]), specular=f0 / .08)
     if "opacity_file" in m:
-        d.put(prefix, transparency=d.picture(m["opacity_file"], True, "red"))
+        d.put(prefix, transparency=d.picture(m["opacity_file"], True))
 
 
 def mesh(scene, d, index, m, material_name):
     rows = lambda a: None if a is None else [tuple(r) for r in a.tolist()]
     turned = lambda a: None if a is None else a @ TURN.T
-    uv = None if m["UV"] is None else np.column_stack([m["UV"][:, 0], 1 - m["UV"][:, 1]])
     scene.DefineMesh(f"mesh{index}", rows(turned(m["P"])), rows(m["I"]), rows(turned(m["N"])),
-                     rows(uv), None, None)
+                     rows(m["UV"]), None, None)
     d.put(f"scene.objects.thing{index}", shape=f"mesh{index}", material=material_name)
 
 

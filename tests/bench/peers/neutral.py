@@ -3,7 +3,8 @@
 `glint export` wrote it and worlds.py settled it; glint itself renders the same folder. read() gives
 {"meshes", "materials", "lights", "camera", "environment"}: meshes with P [n][3], N [n][3] or None,
 UV [n][2] or None, I [m][3] and the name of their material; materials with the members of the native
-form, base_color_file (sRGB), base_color_linear and opacity_file where there are such pictures; lights that are suns.
+form, base_color_file (sRGB), base_color_linear and opacity_file where there are such pictures; lights
+that are suns.
 """
 import json
 import os

@@ -14,6 +14,7 @@ for each half of a reference; references stay in --cache.
 """
 import argparse
 import json
+import math
 import os
 import platform
 import subprocess
@@ -50,17 +51,18 @@ def warm_up(crew):
 
 
 def reference(crew, key, per_sample, o):
-    """{"mean", "floor", "floor_trimmed", "samples"}: two halves of other seeds than the rounds have."""
+    """{"mean", "floor", "floor_trimmed", "noise", "samples"}: two halves of other seeds than the rounds have."""
     path = os.path.join(o.cache, f"{key}-{crew.name}.npz")
     if os.path.exists(path):
         with np.load(path) as kept:
             return {"mean": kept["mean"], "samples": int(kept["samples"]),
-                    "floor": float(kept["floor"]), "floor_trimmed": float(kept["floor_trimmed"])}
+                    **{k: float(kept[k]) for k in ("floor", "floor_trimmed", "noise")}}
     n = power_of_two(o.reference_seconds / per_sample)
     say(f"{crew.name}: reference of 2 x {n} samples")
     a, b = (crew.render(n, seed, measure.read)[0] for seed in REFERENCE_SEEDS)
     floor, trimmed = measure.floor_of(a, b)
-    made = {"mean": (a + b) / 2, "floor": floor, "floor_trimmed": trimmed, "samples": 2 * n}
+    made = {"mean": (a + b) / 2, "floor": floor, "floor_trimmed": trimmed, "samples": 2 * n,
+            "noise": measure.block_noise(a, b)}
     np.savez_compressed(path, **made)
     return made
 
@@ -135,28 +137,19 @@ def verdict(reached, agreed):
                                              np.array(reached[best]["seconds"]))}
 
 
-def scene_results(name, o):
-    """What one scene gave, as plain data; None where it cannot be had."""
-    folder = os.path.join(o.cache, "scenes", name)
-    if not worlds.make(name, folder, o.build):
-        say(f"{name}: its file is not under $GLINT_SCENES")
-        return None
-    say(f"== {name}")
-    key = f"{name}-{worlds.fingerprint(folder)}-{o.resolution}-{o.bounces}-{o.reference_seconds:g}"
-    there, missing = prepare(o.renderers, key, folder, o)
-    try:
-        for k in range(o.rounds):
-            order = list(there) if k % 2 == 0 else list(there)[::-1]
-            for n in order:
-                t = there[n]
+def run_rounds(there, missing, o):
+    """Every renderer once a round, in opposite order every other time; one that ends is missing."""
+    for k in range(o.rounds):
+        for n in list(there) if k % 2 == 0 else list(there)[::-1]:
+            t = there[n]
+            try:
                 t["rounds"].append(one_round(t["crew"], t["counts"], t["made"], 100 + k))
-    finally:
-        for t in there.values():
-            t["crew"].close()
-    agreed = {n: measure.agreement(there["glint"]["made"]["mean"], t["made"]["mean"])
-              for n, t in there.items() if n != "glint" and "glint" in there}
-    report.sheet(os.path.join(o.out, f"{name}.jpg"), {n: t["made"]["mean"] for n, t in there.items()},
-                 agreed)
+            except (crews.Missing, OSError, ValueError) as why:
+                missing[n] = f"in round {k}: {why}"
+                there.pop(n)["crew"].close()
+
+
+def as_data(name, there, missing, agreed, o):
     out = {"scene": name, "missing": missing, "agreement": agreed, "renderers": {}, "targets": {}}
     for n, t in there.items():
         out["renderers"][n] = {"version": t["version"], "samples_per_second":
@@ -167,6 +160,29 @@ def scene_results(name, o):
         out["targets"][f"{target:g}"] = {"reached": reached, "ratio": verdict(reached, agreed),
                                          "trimmed": verdict(times(there, target, "trimmed"), agreed)}
     return out
+
+
+def scene_results(name, o):
+    """What one scene gave, as plain data; None where it cannot be had."""
+    folder = os.path.join(o.cache, "scenes", name)
+    if not worlds.make(name, folder, o.build):
+        say(f"{name}: its file is not under $GLINT_SCENES")
+        return None
+    say(f"== {name}")
+    key = f"{name}-{worlds.fingerprint(folder)}-{o.resolution}-{o.bounces}-{o.reference_seconds:g}"
+    there, missing = prepare(o.renderers, key, folder, o)
+    try:
+        run_rounds(there, missing, o)
+    finally:
+        for t in there.values():
+            t["crew"].close()
+    pictures = {n: t["made"]["mean"] for n, t in there.items()}
+    noise = {n: t["made"]["noise"] for n, t in there.items()}
+    agreed = {n: measure.agreement(pictures["glint"], picture, math.hypot(noise["glint"], noise[n]))
+              for n, picture in pictures.items() if n != "glint" and "glint" in pictures}
+    if pictures:
+        report.sheet(os.path.join(o.out, f"{name}.jpg"), pictures, agreed)
+    return as_data(name, there, missing, agreed, o)
 
 
 def options():

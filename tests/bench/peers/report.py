@@ -38,7 +38,8 @@ def summary(results):
     for scene in results:
         out[scene["scene"]] = {
             "missing": scene["missing"],
-            "something_else": [n for n, a in scene["agreement"].items() if not a["same"]],
+            "something_else": [n for n, a in scene["agreement"].items() if a["resolved"] and not a["same"]],
+            "too_noisy": [n for n, a in scene["agreement"].items() if not a["resolved"]],
             "msamples_per_second": {n: round(r["samples_per_second"] / 1e6, 4)
                                     for n, r in scene["renderers"].items()},
             "ratio": {t: target["ratio"] and {k: v if isinstance(v, str) else round(v, 4)
@@ -65,9 +66,11 @@ def ratio(found):
 
 def agreement(scene):
     for name, a in scene["agreement"].items():
+        verdict = ("" if a["same"] else " - **renders something else, not counted**"
+                   if a["resolved"] else " - **too noisy to tell, not counted**")
         yield (f"{name}: mean {a['mean_ratio']:.3f} of ours, blocks off by {a['blocks_median']:.1%} "
-               f"(median), {a['blocks_p95']:.1%} (95th percentile)"
-               + ("" if a["same"] else " - **renders something else, not counted**"))
+               f"(median), {a['blocks_p95']:.1%} (95th percentile), "
+               f"noise {a['noise']:.1%}" + verdict)
     for name, why in scene["missing"].items():
         yield f"{name}: cannot be had: {why}"
 
