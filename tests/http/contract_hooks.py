@@ -46,8 +46,8 @@ def lead(case):
         parameters["sha256"] = hashlib.sha256(body).hexdigest()
     if label == "PATCH /v1/jobs/{id}" and isinstance(case.body, dict):
         case.body.pop("camera", None)  # the job is not live
-    if label.endswith("/frame.png") and case.query:
-        case.query.pop("through", None)  # of outputs that are mattes, whose classes a job chooses
+    if label.endswith(("/frame.png", "/matte.exr", "/matte.png")) and case.query:
+        case.query.pop("through", None)  # whose classes a job chooses
     if label.endswith("/pick"):
         case.query.update(x=3, y=4)
     for choice, value in [("after", JOB), ("outputs", "beauty"), ("output", "beauty"), ("name", ["ball"])]:
