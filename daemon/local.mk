@@ -151,6 +151,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/jobs/restart.c \
 	daemon/jobs/restart.h \
 	daemon/jobs/scheduler.c \
+	daemon/jobs/scheduler_orders.c \
 	daemon/jobs/scheduler.h \
 	daemon/jobs/scheduler_parts.h \
 	daemon/jobs/state.c \
@@ -207,6 +208,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/render/sound.c \
 	daemon/render/view.c \
 	daemon/render/wave.c \
+	daemon/render/hold.c \
+	daemon/render/hold.h \
 	daemon/render/wave.h \
 	daemon/render/wave_parts.h \
 	daemon/scene/alias.c \

@@ -68,18 +68,6 @@ static void settle(glint_scheduler *s, struct glint_entry *e)
               e->problem.status ? glint_error_text(&e->problem) : "");
 }
 
-void glint_scheduler_recall(glint_scheduler *s)
-{
-    struct glint_entry *entry;
-    struct glint_slice slice;
-    for (uint32_t w = 0; w < glint_crew_workers(s->crew); w++)
-        while (glint_crew_recall(s->crew, w, &entry, &slice)) {
-            glint_render_give_back(entry->render, &slice, false);
-            entry->out--;
-            s->load[w].orders--; // the last one: what runs stays
-        }
-}
-
 void glint_scheduler_end(glint_scheduler *s, struct glint_entry *e, enum glint_job_state state)
 {
     if (e->end != GLINT_JOB_QUEUED)
@@ -230,12 +218,13 @@ static void moved(glint_scheduler *s, struct glint_message *m)
     glint_entry_release(&m->entry);
 }
 
-// The first order is done; the one that the worker goes on with, or NULL.
-static const struct glint_entry *next_order(struct glint_load *load)
+// The job has done without it: of what it was nothing counts but the worker's time.
+static void returned_late(glint_scheduler *s, struct glint_message *m)
 {
-    load->orders--;
-    memmove(load->order, load->order + 1, load->orders * sizeof *load->order);
-    return load->orders ? load->order[0] : NULL;
+    struct glint_order order = s->load[m->worker].order[0];
+    glint_error_finish(&m->error);
+    glint_state_worked(s->table, m->seconds, m->worker, glint_load_next(&s->load[m->worker]));
+    glint_scheduler_forget(s, &order);
 }
 
 static void returned(glint_scheduler *s, struct glint_message *m)
@@ -244,7 +233,7 @@ static void returned(glint_scheduler *s, struct glint_message *m)
     e->out--;
     glint_render_give_back(e->render, &m->slice, !m->status);
     glint_state_slice(s->table, e, m->seconds, m->cpu_seconds, m->worker,
-                      next_order(&s->load[m->worker]));
+                      glint_load_next(&s->load[m->worker]));
     glint_turn_charge(e, m->seconds);
     s->pixels = true;
     s->news |= e->fresh > 0; // somebody waits for it
@@ -272,7 +261,10 @@ static void handle(glint_scheduler *s, struct glint_message *m)
         moved(s, m);
         break;
     case GLINT_MESSAGE_RETURNED:
-        returned(s, m);
+        if (s->load[m->worker].order[0].revoked)
+            returned_late(s, m);
+        else
+            returned(s, m);
         break;
     }
 }
@@ -288,16 +280,18 @@ static double next_deadline(const glint_scheduler *s)
     return next;
 }
 
-// Whoever said when it must be over does not wait for slices that others keep from the processor,
-// once every pixel has a sample.
-static void give_up_slices(struct glint_entry *e)
+// Whoever said when it must be over waits, once every pixel has a sample, for no slice that others
+// keep from the processor: it does not get into the film, unless it is being written.
+static void give_up_slices(glint_scheduler *s, struct glint_entry *e)
 {
     struct glint_render_state now;
     if (!e->out || e->job->live)
         return;
     glint_render_state(e->render, &now);
-    if (now.samples)
-        glint_render_interrupt(e->render, true);
+    if (!now.samples)
+        return;
+    glint_render_interrupt(e->render, true);
+    glint_scheduler_revoke(s, e);
 }
 
 static void end_late(glint_scheduler *s)
@@ -307,7 +301,7 @@ static void end_late(glint_scheduler *s)
         struct glint_entry *e = s->live[i];
         if (glint_state_deadline(e) > now)
             continue;
-        give_up_slices(e);
+        give_up_slices(s, e);
         end_at_stop(s, e);
     }
 }
@@ -365,27 +359,15 @@ static void move_next(glint_scheduler *s)
     glint_crew_move(s->crew, e);
 }
 
-// The worker with the fewest orders, or GLINT_NONE when all have their fill.
-static uint32_t idlest(const glint_scheduler *s)
-{
-    uint32_t best = GLINT_NONE, load = GLINT_CREW_DEPTH;
-    for (uint32_t w = 0; w < glint_crew_workers(s->crew); w++)
-        if (s->load[w].orders < load) {
-            best = w;
-            load = s->load[w].orders;
-        }
-    return best;
-}
-
 static void hand_out(glint_scheduler *s, uint32_t worker, struct glint_entry *e,
-                     const struct glint_slice *slice)
+                     struct glint_slice *slice)
 {
     if (!e->began)
         glint_scheduler_enter(s, e, GLINT_JOB_RENDERING);
     e->began = true;
     e->out++;
     struct glint_load *load = &s->load[worker];
-    load->order[load->orders++] = e;
+    glint_load_add(load, e, slice);
     if (load->orders == 1)
         glint_state_work(s->table, e, worker);
     glint_crew_run(s->crew, worker, e, slice);
@@ -395,7 +377,7 @@ static void dispatch(glint_scheduler *s)
 {
     for (size_t i = 0; i < s->lives; i++)
         s->live[i]->dry = false;
-    for (uint32_t worker; (worker = idlest(s)) != GLINT_NONE;) {
+    for (uint32_t worker; (worker = glint_scheduler_idlest(s)) != GLINT_NONE;) {
         struct glint_entry *e = glint_turn_next(s->live, s->lives);
         struct glint_slice slice;
         if (!e)
@@ -507,6 +489,7 @@ glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *device
     s->retry = INFINITY;
     glint_scheduler_limit(s, limits);
     s->load = load;
+    s->workers = workers;
     pthread_mutex_init(&s->mutex, NULL);
     pthread_cond_init(&s->answer, NULL);
     glint_status st = glint_queue_create(&s->inbox, GLINT_CREW_DEPTH * workers + 2 + COMMAND_ROOM,
@@ -542,7 +525,13 @@ void glint_scheduler_destroy(glint_scheduler **scheduler)
         glint_queue_close(s->inbox);
     glint_crew_destroy(&s->crew);
     for (struct glint_message m; s->inbox && glint_queue_poll(s->inbox, &m);)
-        glint_crew_drop(&m); // what was being prepared: nobody renders any more
+        if (m.kind == GLINT_MESSAGE_RETURNED) // what was taken away: nothing else is out
+            glint_error_finish(&m.error);
+        else
+            glint_crew_drop(&m); // what was being prepared: nobody renders any more
+    for (uint32_t w = 0; w < s->workers; w++)
+        for (uint32_t i = 0; i < s->load[w].orders; i++)
+            glint_scheduler_forget(s, &s->load[w].order[i]);
     glint_queue_destroy(&s->inbox);
     for (size_t i = 0; i < s->lives; i++) // those that are kept
         glint_turn_leave(&s->accounts, s->live[i]);

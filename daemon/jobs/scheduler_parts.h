@@ -8,10 +8,18 @@
 #include "jobs/crew.h"
 #include "jobs/scheduler.h"
 
+// A slice at a worker.
+struct glint_order {
+    struct glint_entry *entry;
+    struct glint_slice slice;
+    bool revoked; // it is not the job's any more: the entry is retained, its render in use
+};
+
 // Orders at a worker; the first one runs.
 struct glint_load {
-    struct glint_entry *order[GLINT_CREW_DEPTH];
+    struct glint_order order[GLINT_CREW_DEPTH];
     uint32_t orders;
+    atomic_uint hold[GLINT_CREW_DEPTH]; // of the orders, in no order
 };
 
 struct glint_scheduler {
@@ -27,12 +35,13 @@ struct glint_scheduler {
     size_t lives;
     struct glint_account *accounts; // of those
     struct glint_load *load;        // [workers]
-    bool preparing;                 // the preparer has an order
-    double retry; // glint_now() at which who is crowded tries again, INFINITY: none
-    bool moving;  // the mover has one
-    bool news;    // a state or description is another: `changed` is called at once
-    bool pixels;  // new pixels: `changed` is called PIXEL_SECONDS after it was the last time
-    double told;  // glint_now() of that
+    uint32_t workers;
+    bool preparing; // the preparer has an order
+    double retry;   // glint_now() at which who is crowded tries again, INFINITY: none
+    bool moving;    // the mover has one
+    bool news;      // a state or description is another: `changed` is called at once
+    bool pixels;    // new pixels: `changed` is called PIXEL_SECONDS after it was the last time
+    double told;    // glint_now() of that
     void (*changed)(void *user);
     void *user;
     bool stopping;
@@ -55,6 +64,19 @@ void glint_scheduler_unblock(glint_scheduler *s);
 
 // Takes back what waits at the workers, so that the next slices go to whom they are due.
 void glint_scheduler_recall(glint_scheduler *s);
+
+// Notes an order, with a hold of its own; the worker then has one more.
+void glint_load_add(struct glint_load *load, struct glint_entry *entry, struct glint_slice *slice);
+// The first order is done; whose the next is, or NULL.
+const struct glint_entry *glint_load_next(struct glint_load *load);
+// The worker with the fewest orders, or GLINT_NONE when all have their fill.
+uint32_t glint_scheduler_idlest(const glint_scheduler *s);
+
+// Takes the job's slices away from workers that trace and do not write yet: they count as given
+// back, whenever the workers notice.
+void glint_scheduler_revoke(glint_scheduler *s, struct glint_entry *entry);
+// The worker is rid of it; if it was taken away, nothing keeps its job any more.
+void glint_scheduler_forget(glint_scheduler *s, struct glint_order *order);
 
 // The job ends in `state` as soon as none of its slices is out. A decision stands.
 void glint_scheduler_end(glint_scheduler *s, struct glint_entry *entry, enum glint_job_state state);

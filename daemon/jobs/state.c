@@ -120,6 +120,16 @@ void glint_state_look(struct glint_job_table *table, struct glint_entry *entry,
     *look = old;
 }
 
+// With the mutex.
+static void count_work(struct glint_job_table *table, double seconds, uint32_t worker,
+                       const struct glint_entry *next, double now)
+{
+    table->slices++;
+    table->busy_seconds += seconds;
+    glint_use_add(&table->worker[worker], seconds);
+    glint_use_set(&table->worker[worker], next ? next->id : NULL, now);
+}
+
 void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry, double seconds,
                        double cpu_seconds, uint32_t worker, const struct glint_entry *next)
 {
@@ -128,10 +138,23 @@ void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry,
     entry->worker_seconds += seconds;
     entry->cpu_seconds += cpu_seconds;
     entry->sequence++;
-    table->slices++;
-    table->busy_seconds += seconds;
-    glint_use_add(&table->worker[worker], seconds);
-    glint_use_set(&table->worker[worker], next ? next->id : NULL, now);
+    count_work(table, seconds, worker, next, now);
+    pthread_mutex_unlock(&table->mutex);
+}
+
+void glint_state_worked(struct glint_job_table *table, double seconds, uint32_t worker,
+                        const struct glint_entry *next)
+{
+    const double now = glint_now();
+    pthread_mutex_lock(&table->mutex);
+    count_work(table, seconds, worker, next, now);
+    pthread_mutex_unlock(&table->mutex);
+}
+
+void glint_state_lend(struct glint_job_table *table, struct glint_entry *entry, int users)
+{
+    pthread_mutex_lock(&table->mutex);
+    entry->views += (uint32_t)users;
     pthread_mutex_unlock(&table->mutex);
 }
 

@@ -42,6 +42,11 @@ void glint_state_look(struct glint_job_table *table, struct glint_entry *entry,
 // Counts a slice that the worker has run; it runs one of `next` now, NULL: none.
 void glint_state_slice(struct glint_job_table *table, struct glint_entry *entry, double seconds,
                        double cpu_seconds, uint32_t worker, const struct glint_entry *next);
+// Counts what a worker has done for nobody; it runs a slice of `next` now, NULL: none.
+void glint_state_worked(struct glint_job_table *table, double seconds, uint32_t worker,
+                        const struct glint_entry *next);
+// So many more use the entry's render beside the scheduler and its workers.
+void glint_state_lend(struct glint_job_table *table, struct glint_entry *entry, int users);
 // The worker runs a slice of the entry.
 void glint_state_work(struct glint_job_table *table, const struct glint_entry *entry,
                       uint32_t worker);

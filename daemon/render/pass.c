@@ -135,6 +135,7 @@ static void slice_fill(const struct glint_render *r, uint32_t block, struct glin
     out->samples = r->pass.samples;
     out->tiles_log2 = r->pass.tiles_log2;
     out->step = r->pass.coarse ? 1u << r->pass.spread_log2 : 0;
+    out->hold = NULL;
 }
 
 static uint32_t next_block(struct glint_render *r)

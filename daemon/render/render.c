@@ -2,6 +2,7 @@
 #include "render/adaptive.h"
 #include "render/archive.h"
 #include "render/capture.h"
+#include "render/hold.h"
 #include "render/order.h"
 
 #include "base/clock.h"
@@ -205,7 +206,8 @@ static struct glint_wave_block block_of(const glint_render *r, const struct glin
                                      .row = (s->y - region[1]) / GK_TILE_SIDE,
                                      .tiles_log2 = s->tiles_log2,
                                      .sample = s->sample,
-                                     .samples = s->samples};
+                                     .samples = s->samples,
+                                     .hold = s->hold};
 }
 
 static glint_status run_whole(glint_render *r, struct glint_worker *worker,
@@ -265,7 +267,8 @@ glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
     uint32_t captures;
     st = s->step ? run_coarse(r, worker, s, &captures, err)
                  : run_whole(r, worker, s, &captures, err);
-    add_stats(r, glint_wave_stats(*wave), &before, captures);
+    if (!glint_hold_is_revoked(s->hold))
+        add_stats(r, glint_wave_stats(*wave), &before, captures);
     return st;
 }
 

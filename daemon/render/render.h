@@ -25,6 +25,7 @@
 
 #include <cjson/cJSON.h>
 #include <math.h>
+#include <stdatomic.h>
 
 typedef struct glint_render glint_render;
 
@@ -35,6 +36,7 @@ struct glint_slice {
     uint32_t sample, samples; // first sample index and their number
     uint32_t tiles_log2;      // the block is 2^n film tiles wide and high
     uint32_t step;            // 0: all pixels; else those that lie so far apart, of a first sample
+    atomic_uint *hold;        // of who gives it out and may take it away (hold.h); NULL: nobody
 };
 
 // The structure that the job's rays go through.
@@ -81,7 +83,8 @@ void glint_render_restart(glint_render *render, glint_view **view);
 bool glint_render_take(glint_render *render, struct glint_slice *out);
 
 // Runs a taken slice on the calling worker's device; pixels become visible when it is given back.
-//   GLINT_E_BUSY  interrupted: it was not done; *err is as it was
+//   GLINT_E_BUSY  interrupted, or taken away: it was not done; *err is as it was. Of what was taken
+//                 away nothing is counted.
 glint_status glint_render_run(glint_render *render, struct glint_worker *worker,
                               const struct glint_slice *slice, struct glint_error *err);
 

@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "kernels/gk_film.h"
 #include "kernels/gk_wave.h"
+#include "render/hold.h"
 
 #include <pthread.h>
 #include <stdlib.h>
@@ -280,8 +281,11 @@ glint_status glint_wave_run(glint_wave *wave, glint_worker *worker,
                           0};
     const uint64_t lost = glint_run_lost(&r);
     glint_status st = glint_carried_begin(&r);
+    glint_hold_begin(block->hold);
     if (!st)
         st = trace_paths(&r);
+    if (!st && !glint_hold_keep(block->hold))
+        st = GLINT_E_BUSY;
     if (!st)
         st = glint_carried_end(&r);
     if (!st)

@@ -52,7 +52,7 @@ glint_status glint_wave_compile(glint_devices *devices, const struct glint_wave_
 // Traces `samples` samples from index `sample` on, of the block of film tiles whose first is at
 // (column, row), 2^tiles_log2 tiles wide and high, and adds them to the film. The block's pixels
 // times samples are at most GLINT_WAVE_LANES.
-//   GLINT_E_BUSY  interrupted: the film is as it was, *err too
+//   GLINT_E_BUSY  interrupted or taken away: the film is as it was, *err too
 struct glint_wave_block {
     uint32_t x, y;         // first pixel in the display window
     uint32_t x_end, y_end; // first pixel beyond the region
@@ -60,6 +60,7 @@ struct glint_wave_block {
     uint32_t sample, samples;
     uint32_t spread_log2; // from a pixel to the next in the display window; not in the film
     bool coarser;         // pixels in even columns of even rows have had the sample
+    atomic_uint *hold;    // of the slice (hold.h), or NULL
 };
 glint_status glint_wave_run(glint_wave *wave, glint_worker *worker,
                             const struct glint_wave_job *job, const struct glint_wave_block *block,

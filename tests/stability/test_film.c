@@ -3,6 +3,7 @@
 
 #include "kernels/gk_film.h"
 #include "kernels/gk_wave.h"
+#include "render/hold.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -219,10 +220,10 @@ static const char *const scene_text =
 static glint_render *begin(glint_resident *scene, unsigned samples)
 {
     struct glint_error err = {0};
-    char *text =
-        stable_text("{'scene':'s','outputs':['beauty','variance','crypto_object','depth','normal'],"
-                    "'resolution':[80,48],'max_bounces':4,'stop':{'samples':%u}}",
-                    samples);
+    char *text = stable_text(
+        "{'scene':'s','outputs':['beauty','variance','crypto_object','depth','normal'],"
+        "'resolution':[80,48],'max_bounces':4,'mattes':{'through':'glossy'},'stop':{'samples':%u}}",
+        samples);
     struct glint_job *job = offline_job(text);
     glint_render *render = NULL;
     if (glint_render_create(&render, o.devices, scene, NULL, job, &err))
@@ -232,11 +233,28 @@ static glint_render *begin(glint_resident *scene, unsigned samples)
     return render;
 }
 
-static void run_slice(glint_render *render, const struct glint_slice *slice)
+static void run_slice(glint_render *render, struct glint_slice *slice)
 {
     struct glint_error err = {0};
+    atomic_uint hold = GLINT_HOLD_WAITING;
+    slice->hold = &hold;
     if (glint_render_run(render, glint_devices_worker(o.devices, 0), slice, &err))
         offline_die("slice", &err);
+    assert_false(glint_hold_revoke(&hold)); // it has written
+}
+
+// The worker traces it, comes to write and must not.
+static void run_in_vain(glint_render *render, struct glint_slice *slice)
+{
+    struct glint_render_state before, after;
+    atomic_uint hold = GLINT_HOLD_REVOKED;
+    slice->hold = &hold;
+    glint_render_state(render, &before);
+    assert_int_equal(glint_render_run(render, glint_devices_worker(o.devices, 0), slice, NULL),
+                     GLINT_E_BUSY);
+    glint_render_state(render, &after);
+    assert_int_equal(before.camera_rays, after.camera_rays);
+    assert_int_equal(before.bounce_rays, after.bounce_rays);
 }
 
 static struct glint_frame *frame_of(glint_render *render)
@@ -284,7 +302,8 @@ static void render_stopped_at_n_and_run_on_is_one_render(void **state)
     glint_resident_release(&scene);
 }
 
-// All slices of a pass are taken; they come back in reverse, every third without having been run.
+// All slices of a pass are taken; they come back in reverse, every third taken away while it was
+// traced.
 static bool run_backwards(glint_render *render)
 {
     struct glint_slice slice[256];
@@ -296,6 +315,8 @@ static bool run_backwards(glint_render *render)
         const bool done = n % 3 != 1;
         if (done)
             run_slice(render, &slice[n]);
+        else
+            run_in_vain(render, &slice[n]);
         glint_render_give_back(render, &slice[n], done);
     }
     return any;

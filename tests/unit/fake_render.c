@@ -1,6 +1,7 @@
 #include "fake_render.h"
 
 #include "base/clock.h"
+#include "render/hold.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -33,6 +34,7 @@ struct glint_render {
     uint32_t sample, back; // the pass, its blocks given back
     unsigned char *block;  // [width] enum block_state
     bool interrupted;
+    unsigned running; // slices at workers
 };
 
 // How the job with a seed behaves.
@@ -47,7 +49,7 @@ static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t changed = PTHREAD_COND_INITIALIZER;
 static struct glint_devices devices;
 static struct behaviour behaviour[MAX_SEED];
-static bool gate_closed, create_held;
+static bool gate_closed, create_held, deaf;
 static unsigned let, creates_waiting;
 static uint32_t begun[MAX_BEGUN], creates;
 static size_t begins;
@@ -90,7 +92,7 @@ void fake_reset(void)
     for (size_t i = 0; i < MAX_SEED; i++)
         behaviour[i] = (struct behaviour){0};
     must(!views, "a view outlives its test");
-    gate_closed = create_held = move_held = false;
+    gate_closed = create_held = move_held = deaf = false;
     moves = restarts = 0;
     let = 0;
     creates = 0;
@@ -109,6 +111,13 @@ void fake_open_gate(void)
 {
     lock();
     gate_closed = false;
+    unlock();
+}
+
+void fake_deafen(void)
+{
+    lock();
+    deaf = true;
     unlock();
 }
 
@@ -347,8 +356,7 @@ void glint_render_destroy(glint_render **render)
     if (!*render)
         return;
     lock();
-    for (uint32_t i = 0; i < (*render)->job.width; i++)
-        must((*render)->block[i] != BLOCK_RUN, "a render goes while a slice of it runs");
+    must((*render)->running == 0, "a render goes while a slice of it runs");
     renders--;
     unlock();
     free((*render)->block);
@@ -459,10 +467,13 @@ glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
     if (begins < MAX_BEGUN)
         begun[begins] = r->job.seed;
     begins++;
+    r->running++;
+    glint_hold_begin(slice->hold);
     pthread_cond_broadcast(&changed);
-    while (gate_closed && !let && !r->interrupted)
+    while (gate_closed && !let && (deaf || !r->interrupted))
         pthread_cond_wait(&changed, &mutex);
-    if (r->interrupted) {
+    if (r->interrupted || !glint_hold_keep(slice->hold)) {
+        r->running--;
         unlock();
         return GLINT_E_BUSY;
     }
@@ -472,6 +483,9 @@ glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
     behaviour[r->job.seed].fail_slice = false;
     unlock();
     spin(seconds);
+    lock();
+    r->running--;
+    unlock();
     return fails ? glint_fail(err, GLINT_E_DEVICE, "", "a slice of job %u failed", r->job.seed)
                  : GLINT_OK;
 }

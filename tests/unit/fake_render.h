@@ -19,6 +19,8 @@ void fake_reset(void);
 void fake_close_gate(void);
 void fake_open_gate(void);
 void fake_let(unsigned slices);
+// Slices at the gate do not notice an interruption: their workers get no processor.
+void fake_deafen(void);
 // The same for glint_render_create.
 void fake_hold_create(bool held);
 // Returns once a create waits.

@@ -185,6 +185,80 @@ static void a_failed_job_does_not_go_on(void **state)
     fixture_stop(&f);
 }
 
+// Has one sample of four pixels, and the worker is at the first pixel of the second.
+static const char *late_job(struct fixture *f)
+{
+    fake_close_gate();
+    fake_deafen();
+    const char *id = fixture_submit(f, "{'scene': 's', " WIDE ", 'stop': {'samples': 3}}");
+    fake_let(4);
+    fake_begun(5, NULL);
+    assert_int_equal(fixture_patch(f, id, "{'stop': {'seconds': 1e-3}}"), GLINT_OK);
+    fixture_wait(f, id, GLINT_JOB_DONE);
+    return id;
+}
+
+static void time_is_over_without_a_worker_that_gets_no_processor(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    const char *id = late_job(&f);
+    assert_int_equal(fake_begun_now(), 5); // it is there still
+    assert_true(fixture_number(&f, id, "samples") == 1);
+    const double seconds = fixture_number(&f, id, "cpu_seconds");
+    assert_int_equal(fixture_patch(&f, id, "{'stop': {'samples': 2, 'seconds': null}}"), GLINT_OK);
+    fake_open_gate();
+    fixture_wait(&f, id, GLINT_JOB_DONE);
+    assert_int_equal(fake_begun_now(), 9); // what was taken away is run again
+    assert_true(fixture_number(&f, id, "samples") == 2);
+    assert_true(fixture_number(&f, id, "cpu_seconds") >= seconds);
+    fixture_stop(&f);
+}
+
+static void a_job_may_be_forgotten_before_its_worker_notices(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    const char *id = late_job(&f);
+    assert_int_equal(forget_or_cancel(&f, id), GLINT_OK);
+    assert_null(glint_jobs_describe(f.jobs, id, NULL));
+    assert_int_equal(fake_renders(), 1);
+    const char *next = fixture_submit(&f, "{'scene': 's', " WIDE ", 'stop': {'samples': 1}}");
+    fake_open_gate();
+    fixture_wait(&f, next, GLINT_JOB_DONE); // behind it, at the same worker
+    fixture_stop(&f);
+}
+
+static void the_daemon_ends_while_a_worker_has_not_noticed(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 2);
+    late_job(&f);
+    fixture_stop(&f);
+}
+
+static void before_the_first_whole_sample_what_is_out_is_waited_for(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_close_gate();
+    const char *id = fixture_submit(&f, "{'scene': 's', " WIDE ", 'stop': {'samples': 3}}");
+    fake_begun(1, NULL);
+    assert_int_equal(fixture_patch(&f, id, "{'stop': {'seconds': 1e-3}}"), GLINT_OK);
+    while (fixture_patch(&f, id, "{'priority': 1}") == GLINT_OK) // until it is about to be done
+        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+    assert_int_equal(fixture_state(&f, id), GLINT_JOB_RENDERING);
+    fake_open_gate();
+    fixture_wait(&f, id, GLINT_JOB_DONE);
+    assert_int_equal(fake_begun_now(), 1);
+    assert_true(fixture_number(&f, id, "progress") > 0);
+    fixture_stop(&f);
+}
+
 static void null_takes_a_limit_away(void **state)
 {
     (void)state;
@@ -234,6 +308,10 @@ int main(void)
         cmocka_unit_test(a_job_may_be_given_more_and_wait_in_one_patch),
         cmocka_unit_test(the_same_stop_said_twice_is_no_fault),
         cmocka_unit_test(a_failed_job_does_not_go_on),
+        cmocka_unit_test(time_is_over_without_a_worker_that_gets_no_processor),
+        cmocka_unit_test(a_job_may_be_forgotten_before_its_worker_notices),
+        cmocka_unit_test(the_daemon_ends_while_a_worker_has_not_noticed),
+        cmocka_unit_test(before_the_first_whole_sample_what_is_out_is_waited_for),
         cmocka_unit_test(null_takes_a_limit_away),
         cmocka_unit_test(a_live_job_refines_what_it_shows_when_it_is_given_more),
     };
