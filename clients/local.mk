@@ -17,6 +17,7 @@ libglintcli_a_SOURCES = \
 	clients/cli/accuracy_render.c clients/cli/accuracy_render.h \
 	clients/cli/accuracy_report.h \
 	clients/cli/accuracy_run.c clients/cli/accuracy_run.h \
+	clients/cli/accuracy_same.c clients/cli/accuracy_same.h \
 	clients/cli/accuracy_stat.c clients/cli/accuracy_stat.h \
 	clients/cli/accuracy_sum.c \
 	clients/cli/cmd_accuracy.c \

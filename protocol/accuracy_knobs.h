@@ -32,6 +32,7 @@ struct glint_knob {
     const char *base; // JSON merged into every job of the row, its exact twin's too: a row with one
                       // has a reference of its own; NULL: the row shares that of its metric
     enum glint_accuracy_metric metric;
+    bool other_question;    // its settings ask for another picture: none of them is wrong
     const char *effects[3]; // the scene calls for it if any is on; none: always
 };
 

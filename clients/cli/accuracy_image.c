@@ -192,6 +192,35 @@ glint_status glint_accuracy_image_like(struct glint_accuracy_image *out,
     return GLINT_OK;
 }
 
+#define GLOSS "CryptoGloss"
+
+static bool has_gloss(const struct glint_accuracy_image *image)
+{
+    for (size_t i = 0; i < image->channels; i++)
+        if (strncmp(image->channel[i].type, GLOSS, strlen(GLOSS)) == 0)
+            return true;
+    return false;
+}
+
+static void add_plane(struct glint_accuracy_image *to, const char *type, uint32_t id,
+                      const float *plane)
+{
+    float *sum = to->channel[channel_of(to, type, id)].plane;
+    for (size_t p = 0; p < pixels_of(to); p++)
+        sum[p] += plane[p];
+}
+
+// Who has no coverage through reflections takes what is seen directly for it.
+static void add_directly_seen(struct glint_accuracy_image *to,
+                              const struct glint_accuracy_image *from)
+{
+    char type[48];
+    for (size_t i = 0; i + 1 < from->channels; i++) { // the last: the others
+        snprintf(type, sizeof type, GLOSS "%s", from->channel[i].type + strlen("Crypto"));
+        add_plane(to, type, from->channel[i].id, from->channel[i].plane);
+    }
+}
+
 glint_status glint_accuracy_image_align(struct glint_accuracy_image *image,
                                         const struct glint_accuracy_image *like,
                                         struct glint_error *err)
@@ -203,11 +232,10 @@ glint_status glint_accuracy_image_align(struct glint_accuracy_image *image,
     glint_status st = glint_accuracy_image_like(&to, like, err);
     if (st)
         return st;
-    for (size_t i = 0; i < image->channels; i++) {
-        const size_t at = channel_of(&to, image->channel[i].type, image->channel[i].id);
-        for (size_t p = 0; p < pixels_of(image); p++)
-            to.channel[at].plane[p] += image->channel[i].plane[p];
-    }
+    for (size_t i = 0; i < image->channels; i++)
+        add_plane(&to, image->channel[i].type, image->channel[i].id, image->channel[i].plane);
+    if (has_gloss(like) && !has_gloss(image))
+        add_directly_seen(&to, image);
     glint_accuracy_image_finish(image);
     *image = to;
     return GLINT_OK;

@@ -25,7 +25,8 @@ glint_status glint_accuracy_image_take(struct glint_accuracy_image *out,
                                        struct glint_error *err);
 void glint_accuracy_image_finish(struct glint_accuracy_image *image);
 
-// The same coverage with the channels of `like`: what it has not goes to its last.
+// The same coverage with the channels of `like`: what it has not goes to its last. Where `like` has
+// coverage through reflections and the image has none, what is seen directly stands for it.
 glint_status glint_accuracy_image_align(struct glint_accuracy_image *image,
                                         const struct glint_accuracy_image *like,
                                         struct glint_error *err);

@@ -54,6 +54,7 @@ static cJSON *describe(const struct glint_accuracy_run *run, const struct glint_
     cJSON_AddStringToObject(o, "value", s->value);
     cJSON_AddStringToObject(o, "reference", run->plan->group[s->group].name);
     cJSON_AddBoolToObject(o, "unbiased", s->unbiased);
+    cJSON_AddBoolToObject(o, "other_question", s->other_question);
     cJSON_AddItemToObject(o, "job", cJSON_Duplicate(s->job, true));
     add_points(o, run, sum);
     cJSON_AddNumberToObject(o, "bias2", sum->spread.bias2);
@@ -154,7 +155,9 @@ static void add_costs(struct glint_text *t, const struct glint_accuracy_run *run
         add_figure(t, s->point[run->steps - 1].error.middle);
         add_figure(t, b2 < 0 ? -sqrt(-b2) : sqrt(b2));
         add_figure(t, sqrt(s->spread.variance));
-        glint_text_add(t, s->point[run->steps - 1].limited ? "<td>reference limited\n" : "\n");
+        glint_text_add(t, s->setting->other_question         ? "<td>another picture\n"
+                          : s->point[run->steps - 1].limited ? "<td>reference limited\n"
+                                                             : "\n");
     }
     glint_text_add(t, "</table>\n");
 }
@@ -234,11 +237,14 @@ static glint_status write_failures(const struct glint_accuracy_run *run,
 {
     struct glint_text t = {0};
     begin(&t, "Where approximations lose to more samples", run->scene);
-    glint_text_add(&t, "<p>From these numbers of samples on the exact twin, given samples for the "
-                       "same cost, has less error than the lower end of the approximation's "
-                       "interval; the factor is that of the errors at the most samples that lose."
-                       "\n<table><tr><th>knob<th>value<th>by rays from<th>factor<th>by CPU "
-                       "seconds from<th>factor\n");
+    glint_text_add(&t,
+                   "<p>From these numbers of samples on the exact twin, given samples for the "
+                   "same cost, has less error than the lower end of the approximation's "
+                   "interval; the cost is the lower end of its interval, too. The factor is that "
+                   "of the errors at the most samples that lose. What asks for another picture, "
+                   "as a filter does, is not among them."
+                   "\n<table><tr><th>knob<th>value<th>by rays from<th>factor<th>by CPU "
+                   "seconds from<th>factor\n");
     for (size_t i = 0; i < run->plan->settings; i++) {
         const struct glint_accuracy_sum *s = &sum[i];
         if (isnan(s->loses[0]) && isnan(s->loses[1]))

@@ -175,7 +175,8 @@ static bool add_setting(struct glint_accuracy_plan *plan, const cJSON *knob, con
     print_value(value, s->value);
     s->unbiased = contains(member(knob, "unbiased"), value) ||
                   cJSON_Compare(member(knob, "exact"), value, true);
-    s->chosen = !plan->group[group].matte && strncmp(s->knob, "filter", 6) != 0;
+    s->other_question = cJSON_IsTrue(member(knob, "other_question"));
+    s->chosen = !plan->group[group].matte && !s->other_question;
     merge(s->job, member(knob, "with"));
     set_knob(s->job, knob, value);
     return s->job != NULL;

@@ -22,8 +22,10 @@ struct glint_accuracy_setting {
     char value[GLINT_ACCURACY_VALUE];
     size_t group;
     bool twin, unbiased, joint;
-    bool chosen; // may be picked by price: it changes the picture and nothing of the mattes
-    cJSON *job;  // without seed and stop
+    bool
+        other_question; // it asks for another picture than the twin: what separates them is no error
+    bool chosen;        // may be picked by price: it changes the picture and nothing of the mattes
+    cJSON *job;         // without seed and stop
 };
 
 // Settings that are compared with one reference.

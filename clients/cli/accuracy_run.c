@@ -8,19 +8,45 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 // Seeds of the two halves of references: far from those of settings, which count from 1.
 #define REFERENCE_SEED 1000001u
+
+// What was there already took no time.
+static double seconds_left(const struct glint_accuracy_run *run)
+{
+    return run->rendered ? run->seconds / (double)run->rendered * (double)(run->all - run->done)
+                         : NAN;
+}
 
 static void show(struct glint_accuracy_run *run)
 {
     const struct glint_progress_state state = {.fraction = (double)run->done / (double)run->all,
                                                .samples = (uint32_t)run->done,
                                                .target_samples = (uint32_t)run->all,
+                                               .unit = "jobs",
                                                .error = NAN,
-                                               .eta_seconds = NAN,
+                                               .eta_seconds = seconds_left(run),
                                                .state = "rendering"};
     glint_progress_show(&run->session->progress, &state);
+}
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static glint_status render(struct glint_accuracy_run *run, const struct glint_accuracy_order *order,
+                           struct glint_error *err)
+{
+    const double start = now();
+    const glint_status st = glint_accuracy_render(run->session, order, err);
+    run->seconds += now() - start;
+    run->rendered++;
+    return st;
 }
 
 // ---- references
@@ -68,7 +94,7 @@ static glint_status render_half(struct glint_accuracy_run *run, size_t group, in
                                                .user = &half};
     glint_status st = glint_accuracy_load_frame(&known, run->folder, half.name, err);
     if (!st && !known)
-        st = glint_accuracy_render(run->session, &order, err);
+        st = render(run, &order, err);
     glint_frame_destroy(&known);
     run->done++;
     show(run);
@@ -207,7 +233,7 @@ static glint_status render_missing(struct taking *t, const char *name, struct gl
                                                .look = take_look,
                                                .user = t};
     glint_accuracy_table_drop(&run->table, is_of, t);
-    glint_status st = glint_accuracy_render(run->session, &order, err);
+    glint_status st = render(run, &order, err);
     if (!st)
         st = glint_accuracy_mean_save(&t->mean, run->folder, name, err);
     return st ? st : glint_accuracy_table_write(&run->table, run->folder, err);

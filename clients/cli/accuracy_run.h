@@ -23,6 +23,8 @@ struct glint_accuracy_run {
     struct glint_accuracy_reference *reference; // [plan->groups], owned
     struct glint_accuracy_table table;          // what is there already, and comes
     size_t done, all;                           // jobs, of this run and before
+    size_t rendered;                            // of this run, and
+    double seconds;                             // what they took
 };
 
 // Renders what the table has not; rows are on the disk after every job.

@@ -57,14 +57,17 @@ static void measure(struct glint_accuracy_sum *out, const struct glint_accuracy_
             out->ratio[c] = (struct glint_accuracy_interval){NAN, NAN, NAN};
 }
 
-// Where the twin with samples for the same cost is better, by more than the interval.
+// Where the twin with samples for the same cost is better, by more than the intervals of both error
+// and cost. What asks for another picture does not lose.
 static void find_failure(struct glint_accuracy_sum *out, const struct glint_accuracy_run *run,
                          const struct glint_accuracy_sum *twin, enum glint_accuracy_cost c)
 {
     out->loses[c] = out->by[c] = NAN;
-    for (size_t i = 0; i < run->steps && out != twin; i++) {
+    const bool loses = out != twin && !out->setting->other_question;
+    for (size_t i = 0; i < run->steps && loses; i++) {
         const struct glint_accuracy_point *p = &out->point[i];
-        const double exact = glint_accuracy_error_at(twin->point, run->steps, c, p->cost[c]);
+        const double cost = twin->point[i].cost[c] * out->ratio[c].low;
+        const double exact = glint_accuracy_error_at(twin->point, run->steps, c, cost);
         if (!(p->error.low > exact))
             continue;
         out->loses[c] = fmin(p->spp, isnan(out->loses[c]) ? p->spp : out->loses[c]);

@@ -3,6 +3,7 @@
 #include "accuracy_files.h"
 #include "accuracy_render.h"
 #include "accuracy_report.h"
+#include "accuracy_same.h"
 #include "command.h"
 #include "upload.h"
 
@@ -145,6 +146,25 @@ static unsigned workers_of(const cJSON *capabilities)
     return cJSON_IsNumber(workers) ? (unsigned)workers->valuedouble : 0;
 }
 
+// What all rows of a report have in common.
+static glint_status check_folder(const struct glint_accuracy_ask *ask, const struct ground *g,
+                                 struct glint_error *err)
+{
+    static const char *const parts[] = {"camera", "resolution"};
+    cJSON *programme = cJSON_CreateObject();
+    cJSON_AddStringToObject(programme, "scene", ask->scene);
+    cJSON_AddStringToObject(programme, "revision", text_of(g->scene, "revision"));
+    cJSON_AddStringToObject(programme, "build", g->build);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        const cJSON *part = member(ask->base, parts[i]);
+        cJSON_AddItemToObject(programme, parts[i],
+                              part ? cJSON_Duplicate(part, true) : cJSON_CreateNull());
+    }
+    const glint_status st = glint_accuracy_same(ask->folder, programme, err);
+    cJSON_Delete(programme);
+    return st;
+}
+
 static glint_status measure(struct glint_session *s, const struct glint_accuracy_ask *ask,
                             const struct ground *g, const struct glint_accuracy_plan *plan,
                             struct glint_error *err)
@@ -162,6 +182,8 @@ static glint_status measure(struct glint_session *s, const struct glint_accuracy
                                      .reference_samples = ask->reference_samples};
     memcpy(run.ladder, ask->ladder, sizeof run.ladder);
     glint_status st = glint_accuracy_folders(ask->folder, err);
+    if (!st)
+        st = check_folder(ask, g, err);
     if (!st)
         st = glint_accuracy_table_read(&run.table, ask->folder, err);
     if (!st)

@@ -59,7 +59,7 @@ static int describe(char *text, size_t size, const struct glint_progress_state *
     int n = snprintf(text, size, " %3d%%  %u", (int)(100 * s->fraction), s->samples);
     if (s->target_samples)
         n += snprintf(text + n, size - (size_t)n, "/%u", s->target_samples);
-    n += snprintf(text + n, size - (size_t)n, " samples");
+    n += snprintf(text + n, size - (size_t)n, " %s", s->unit ? s->unit : "samples");
     if (isfinite(s->error))
         n += snprintf(text + n, size - (size_t)n, "  error %.4f", s->error);
     if (*s->outlook)

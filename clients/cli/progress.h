@@ -25,6 +25,7 @@ struct glint_progress {
 struct glint_progress_state {
     double fraction;                  // 0..1
     uint32_t samples, target_samples; // target 0: not known
+    const char *unit;                 // of these two, NULL: samples
     double error;                     // NAN: not known
     double eta_seconds;               // NAN: not known
     const char *state;                // of the job

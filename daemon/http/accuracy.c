@@ -73,6 +73,7 @@ static cJSON *describe_knob(const struct glint_knob *knob)
     cJSON_AddStringToObject(o, "parent", glint_knob_parent(knob));
     cJSON_AddBoolToObject(o, "dial", knob->dial != GLINT_DIAL_COUNT);
     add_settings(o, knob);
+    cJSON_AddBoolToObject(o, "other_question", knob->other_question);
     cJSON_AddStringToObject(o, "metric", glint_accuracy_metric_name[knob->metric]);
     add_ruled(o, knob->dial);
     cJSON *called = cJSON_AddArrayToObject(o, "called_for_by");

@@ -291,6 +291,7 @@ static void give_up_slices(glint_scheduler *s, struct glint_entry *e)
     if (!now.samples)
         return;
     glint_render_interrupt(e->render, true);
+    glint_scheduler_recall(s);
     glint_scheduler_revoke(s, e);
 }
 

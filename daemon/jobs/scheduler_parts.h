@@ -72,7 +72,7 @@ const struct glint_entry *glint_load_next(struct glint_load *load);
 // The worker with the fewest orders, or GLINT_NONE when all have their fill.
 uint32_t glint_scheduler_idlest(const glint_scheduler *s);
 
-// Takes the job's slices away from workers that trace and do not write yet: they count as given
+// Takes the job's slices away from workers that are not at its film: they count as given
 // back, whenever the workers notice.
 void glint_scheduler_revoke(glint_scheduler *s, struct glint_entry *entry);
 // The worker is rid of it; if it was taken away, nothing keeps its job any more.

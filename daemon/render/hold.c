@@ -7,10 +7,15 @@ static bool change(atomic_uint *hold, unsigned from, unsigned to)
                                                    memory_order_acquire);
 }
 
+bool glint_hold_take(atomic_uint *hold)
+{
+    return !hold || change(hold, GLINT_HOLD_WAITING, GLINT_HOLD_PREPARING);
+}
+
 void glint_hold_begin(atomic_uint *hold)
 {
     if (hold)
-        change(hold, GLINT_HOLD_WAITING, GLINT_HOLD_TRACING);
+        change(hold, GLINT_HOLD_PREPARING, GLINT_HOLD_TRACING);
 }
 
 bool glint_hold_keep(atomic_uint *hold)
@@ -20,7 +25,8 @@ bool glint_hold_keep(atomic_uint *hold)
 
 bool glint_hold_revoke(atomic_uint *hold)
 {
-    return hold && change(hold, GLINT_HOLD_TRACING, GLINT_HOLD_REVOKED);
+    return hold && (change(hold, GLINT_HOLD_WAITING, GLINT_HOLD_REVOKED) ||
+                    change(hold, GLINT_HOLD_TRACING, GLINT_HOLD_REVOKED));
 }
 
 bool glint_hold_is_revoked(atomic_uint *hold)

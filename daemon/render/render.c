@@ -260,6 +260,8 @@ glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
                               const struct glint_slice *s, struct glint_error *err)
 {
     glint_wave **wave = &r->wave[glint_worker_index(worker)];
+    if (!glint_hold_take(s->hold))
+        return GLINT_E_BUSY;
     glint_status st = *wave ? GLINT_OK : glint_wave_create(wave, r->devices, err);
     if (st)
         return st;

@@ -459,6 +459,8 @@ static void spin(double seconds)
 glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
                               const struct glint_slice *slice, struct glint_error *err)
 {
+    if (!glint_hold_take(slice->hold))
+        return GLINT_E_BUSY;
     lock();
     must(worker->entered, "a worker runs a slice before it has set its arithmetic");
     must(r->block[slice->block] == BLOCK_TAKEN, "a slice is run once, by whom it was given to");

@@ -176,6 +176,19 @@ static void a_name_that_the_reference_has_not_goes_to_the_others(void **state)
     glint_accuracy_image_finish(&other);
 }
 
+static void what_is_seen_directly_stands_for_what_is_seen_through_reflections(void **state)
+{
+    (void)state;
+    struct glint_accuracy_image like = mattes(0.75f, 0.25f), direct = mattes(0.5f, 0.25f);
+    strcpy(like.channel[1].type, "CryptoGlossObject");
+    like.channel[1].id = like.channel[0].id;
+    assert_int_equal(glint_accuracy_image_align(&direct, &like, NULL), GLINT_OK);
+    assert_true(direct.channel[0].plane[5] == 0.5f && direct.channel[1].plane[5] == 0.5f);
+    assert_true(direct.channel[2].plane[5] == 0.5f); // of the other name, both
+    glint_accuracy_image_finish(&like);
+    glint_accuracy_image_finish(&direct);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -183,6 +196,7 @@ int main(void)
         cmocka_unit_test(the_variance_of_the_reference_is_taken_off),
         cmocka_unit_test(bias_and_variance_are_told_apart),
         cmocka_unit_test(coverage_is_compared_name_by_name),
+        cmocka_unit_test(what_is_seen_directly_stands_for_what_is_seen_through_reflections),
         cmocka_unit_test(a_name_that_the_reference_has_not_goes_to_the_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
