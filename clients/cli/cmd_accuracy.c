@@ -81,7 +81,8 @@ static glint_status put_front(struct glint_session *s, const struct glint_accura
     return st;
 }
 
-// Keeps the front beside the report and, where there are settings to pick from, puts it.
+// Keeps the front beside the report and, where there are settings to pick from, puts it: to a daemon
+// that stays.
 static glint_status publish(struct glint_accuracy_run *run, const struct glint_accuracy_sum *sum,
                             const struct glint_accuracy_ask *ask, const struct ground *g,
                             struct glint_error *err)
@@ -93,7 +94,7 @@ static glint_status publish(struct glint_accuracy_run *run, const struct glint_a
     glint_text_add(&out, text ? text : "");
     glint_text_add(&out, "\n");
     glint_status st = glint_accuracy_save(ask->folder, "front.json", &out, err);
-    if (!st && some && ask->publish)
+    if (!st && some && ask->publish && !run->session->daemon)
         st = put_front(run->session, ask, front, err);
     free(text);
     cJSON_Delete(front);
@@ -129,6 +130,8 @@ static void tell(const struct glint_session *s, const struct glint_accuracy_ask 
     if (!s->json) {
         printf("%s/index.html: %zu settings, %zu rows\n", ask->folder, run->plan->settings,
                run->table.rows);
+        if (s->daemon && ask->publish)
+            printf("%s/front.json was put to no daemon: the private one ends now\n", ask->folder);
         return;
     }
     cJSON *document = cJSON_CreateObject();

@@ -91,10 +91,14 @@ static void tell_chosen(struct glint_session *s, const cJSON *job)
 {
     const cJSON *chosen = cJSON_GetObjectItemCaseSensitive(job, "chosen");
     const cJSON *error = cJSON_GetObjectItemCaseSensitive(chosen, "expected_error");
+    const bool own = strcmp(text_of(chosen, "from"), "scene") == 0;
+    const bool current = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(chosen, "current"));
     if (!s->json && cJSON_IsNumber(error))
         glint_progress_note(&s->progress, "picked %s from the front of %s; expected error %.3g",
                             text_of(chosen, "row"),
-                            strcmp(text_of(chosen, "from"), "scene") ? "its class" : "this scene",
+                            !own      ? "its class"
+                            : current ? "this scene"
+                                      : "this scene as it was before it changed",
                             error->valuedouble);
 }
 

@@ -126,6 +126,16 @@ static struct glint_entry *new_entry(const struct glint_job *job,
     return e;
 }
 
+static void warn_of_front(cJSON *warnings, const cJSON *chosen)
+{
+    const char *from = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(chosen, "from"));
+    if (from && !strcmp(from, "scene") &&
+        !cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(chosen, "current")))
+        glint_warn(warnings, "the settings were picked from a front of another revision of the "
+                             "scene: what is expected of them may be wrong until it is measured "
+                             "again");
+}
+
 static void fill(struct glint_entry *e, struct glint_job *job, glint_revision *revision)
 {
     struct glint_resident_stats rest;
@@ -144,6 +154,7 @@ static void fill(struct glint_entry *e, struct glint_job *job, glint_revision *r
     glint_utc(e->created);
     warn_of_mattes(e->warnings, glint_resident_scene(glint_revision_resident(revision)),
                    job->outputs);
+    warn_of_front(e->warnings, e->chosen);
 }
 
 // Picks the settings of a job with a budget. *asked: the job as it was before.

@@ -79,6 +79,41 @@ def test_settings_are_picked_from_the_front_and_told():
         assert "chosen" not in finished(daemon, stop={"samples": 1})
 
 
+def test_a_front_of_a_scene_that_has_changed_is_said_to_be_of_another_revision():
+    wish = {**SMALL, "accuracy": {"error": 0.3}}
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        revision = daemon.get("/v1/scenes/room").json()["revision"]
+        put_front(daemon, {**FRONT, "revision": revision})
+        before = daemon.post(wish).json()
+        assert before["chosen"]["current"] and before["warnings"] == []
+        lamp = {"materials": {"lamp": {"emission": [6, 6, 6]}}}
+        assert daemon.ask("PATCH", "/v1/scenes/room", json.dumps(lamp),
+                          {"Content-Type": "application/merge-patch+json"}).status == 200
+        after = daemon.post(wish).json()
+        assert after["chosen"]["from"] == "scene" and not after["chosen"]["current"]
+        assert len(after["warnings"]) == 1 and "revision" in after["warnings"][0], after
+        assert not daemon.get("/v1/scenes/room/front").json()["current"]
+        put_front(daemon, {**FRONT, "revision": after["revision"]})
+        assert daemon.post(wish).json()["warnings"] == []
+
+
+def test_a_budget_and_what_else_a_job_may_say():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        put_front(daemon, FRONT)
+        region = finished(daemon, accuracy={"error": 0.3}, region=[8, 4, 8, 8])
+        assert region["chosen"]["expected_seconds"] < 0.01 and region["error"] <= 0.3
+        whole = finished(daemon, accuracy={"error": 0.3})
+        # In proportion to the pixels, for the same samples.
+        share = region["chosen"]["expected_seconds"] / whole["chosen"]["expected_seconds"]
+        assert abs(share - 64 / 512) < 1e-9, share
+        batches = finished(daemon, accuracy={"error": 0.3}, estimate="batches")
+        assert batches["chosen"]["row"] == whole["chosen"]["row"] and batches["error"] <= 0.3
+        adaptive = finished(daemon, accuracy={"error": 0.3}, adaptive=True)
+        assert adaptive["samples"] >= 16 and adaptive["error"] <= 0.3  # those of the pilot count not
+
+
 def test_what_a_job_cannot_have_picked_is_a_fault():
     with Daemon() as daemon:
         daemon.put("room", ROOM)
