@@ -55,9 +55,10 @@ glint_status glint_accuracy_save_bytes(const char *folder, const char *name, con
     glint_status st = glint_output_open(&file, path, err);
     if (!st) {
         const bool written = glint_output_write(&file, bytes, size);
+        const int error = file.error;
         st = glint_output_close(&file, written, err);
         if (!st && !written)
-            st = glint_fail(err, GLINT_E_IO, "", "%s cannot be written", path);
+            st = glint_fail(err, GLINT_E_IO, "", "%s: %s", path, strerror(error));
     }
     free(path);
     return st;

@@ -104,9 +104,10 @@ static void begin(struct glint_text *t, const char *title, const char *scene)
     glint_text_add(t, "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>");
     glint_accuracy_escape(t, title);
     glint_text_add(t,
-                   "</title>\n<style>body{font:15px/1.5 system-ui;margin:2em auto;max-width:70em}"
+                   "</title>\n<style>body{font:15px/1.5 system-ui;margin:2em "
+                   "auto;max-width:70em;padding:0 1em}"
                    "td,th{padding:.1em 1em .1em 0;text-align:left;vertical-align:top}"
-                   "td.n{text-align:right;font-variant-numeric:tabular-nums}"
+                   "td{white-space:nowrap}td.n{text-align:right;font-variant-numeric:tabular-nums}"
                    "img{max-width:100%}figure{display:inline-block;margin:.4em}</style>\n<h1>");
     glint_accuracy_escape(t, title);
     glint_text_add(t, ": ");
@@ -139,11 +140,13 @@ static void add_range(struct glint_text *t, const struct glint_accuracy_interval
 static void add_costs(struct glint_text *t, const struct glint_accuracy_run *run,
                       const struct glint_accuracy_sum *sum)
 {
-    glint_text_print(t,
-                     "<h2>Marginal costs</h2>\n<p>Over the exact twin at %u samples; bias is the "
-                     "root of |bias&sup2;| with its sign.\n<table><tr><th>knob<th>value<th>rays"
-                     "<th>CPU seconds<th>error<th>bias<th>deviation\n",
-                     run->ladder[run->steps - 1]);
+    glint_text_print(
+        t,
+        "<h2>Marginal costs</h2>\n<p>Over the exact twin at %u samples; error is rmse61, "
+        "of mattes the total variation of coverage; bias is the root of "
+        "|bias&sup2;| with its sign: a negative one is noise.\n<table><tr><th>knob<th>value<th>rays"
+        "<th>CPU seconds<th>error<th>bias<th>deviation\n",
+        run->ladder[run->steps - 1]);
     for (size_t i = 0; i < run->plan->settings; i++) {
         const struct glint_accuracy_sum *s = &sum[i];
         const double b2 = s->spread.bias2;

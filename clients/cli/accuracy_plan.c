@@ -296,14 +296,31 @@ static bool has_knob(const cJSON *capabilities, const char *name, size_t length)
     return strcmp(one, "joint") == 0;
 }
 
+// "accuracy.gi, max_bounces, joint", in text of `size` bytes.
+static void list_knobs(const cJSON *capabilities, char *text, size_t size)
+{
+    char full[GLINT_ACCURACY_NAME];
+    const cJSON *knob;
+    size_t n = 0;
+    cJSON_ArrayForEach(knob, member(capabilities, "knobs")) {
+        print_knob(knob, full);
+        n += (size_t)snprintf(text + n, size - n, "%s, ", full);
+        n = n < size ? n : size - 1;
+    }
+    snprintf(text + n, size - n, "joint");
+}
+
 static glint_status check_wanted(const struct glint_accuracy_wish *wish, struct glint_error *err)
 {
     glint_status st = GLINT_OK;
+    char known[512];
+    list_knobs(wish->capabilities, known, sizeof known);
     for (const char *p = wish->wanted; p; p = strchr(p, ',') ? strchr(p, ',') + 1 : NULL) {
         const size_t n = strcspn(p, ",");
         if (!has_knob(wish->capabilities, p, n))
-            st = glint_fail(err, GLINT_E_RANGE, "", "--dials: there is no dial \"%.*s\"",
-                            (int)(n < 40 ? n : 40), p);
+            st = glint_fail(err, GLINT_E_RANGE, "",
+                            "--dials: there is no dial \"%.*s\"; there are %s",
+                            (int)(n < 40 ? n : 40), p, known);
     }
     return st;
 }
