@@ -316,6 +316,7 @@ SCRIPT_TESTS = \
 	tests/http/test_streams.py \
 	tests/http/test_unit.py \
 	tests/http/test_updates.py \
+	tests/accuracy/test_claims.py \
 	tests/mutation/test_table.py \
 	tests/render/test_cryptomatte_node.py \
 	tests/bench/test_peers_measure.py \
