@@ -78,6 +78,8 @@ const struct glint_unbuilt glint_unbuilt_table[] = {
     {"split primary rays: fields, second branch, resolve", "both branches traced", "flip, rmse61"},
     {"rough mirror: blurred reflection", "sampled lobe", "flip"},
     {"gradients and Poisson: method, iterations, norm, preparation", "DCT; path tracing", "rmse"},
+    {"roulette: the bounce that it starts at", "none", "efficiency"},
+    {"light sampling: a tree, without MIS, by the BSDF alone", "the same mean", "efficiency"},
     {"texture filter, fast mathematics, half BVH", "exact", "rmse"},
     {NULL, NULL, NULL},
 };

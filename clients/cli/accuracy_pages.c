@@ -206,9 +206,9 @@ static void add_list(struct glint_text *t, const char *title, const cJSON *list,
         const char *b = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(item, why));
         glint_text_add(t, "<li>");
         glint_accuracy_escape(t, a ? a : "");
-        glint_text_add(t, ": ");
+        glint_text_add(t, " (");
         glint_accuracy_escape(t, b ? b : "");
-        glint_text_add(t, "\n");
+        glint_text_add(t, ")\n");
     }
     glint_text_add(t, "</ul>\n");
 }
@@ -228,9 +228,9 @@ static glint_status write_index(const struct glint_accuracy_run *run,
     add_costs(&t, run, sum);
     add_plots(&t, plots);
     add_differences(&t, run);
-    add_list(&t, "Not called for by the scene", run->plan->skipped, "knob", "why");
-    add_list(&t, "No method built yet", cJSON_GetObjectItemCaseSensitive(capabilities, "unbuilt"),
-             "approximation", "exact");
+    add_list(&t, "Not measured", run->plan->skipped, "knob", "why");
+    add_list(&t, "Approximations of the design that are not built (and what would be exact)",
+             cJSON_GetObjectItemCaseSensitive(capabilities, "unbuilt"), "approximation", "exact");
     glint_text_add(&t, "</html>\n");
     return glint_accuracy_save(run->folder, "index.html", &t, err);
 }

@@ -261,7 +261,7 @@ static void skip(struct glint_accuracy_plan *plan, const cJSON *knob)
     const bool alone = cJSON_GetArraySize(member(knob, "approximations")) == 0;
     print_knob(knob, name);
     snprintf(why, sizeof why,
-             alone ? "the exact setting is the only one" : "the scene has nothing for \"%.100s\"",
+             alone ? "no approximation of it is built" : "the scene has nothing for \"%.100s\"",
              cause && cause->child ? cause->child->valuestring : "");
     cJSON *o = cJSON_CreateObject();
     cJSON_AddStringToObject(o, "knob", name);
