@@ -75,11 +75,11 @@ static void read_point(const struct glint_json *at, struct glint_front_point *ou
     read_text(&row, out->row, sizeof out->row);
 }
 
-// What a reader is told of a front, and nothing else looks at.
-static void check_provenance(const struct glint_json *root)
+// What a reader is told of a front; the choice looks at its pixels alone.
+static void read_provenance(const struct glint_json *root, struct glint_front *front)
 {
     char text[128];
-    uint32_t seeds, side[2];
+    uint32_t seeds, side[2] = {0, 0};
     const struct glint_json scene = glint_json_member(root, "scene");
     const struct glint_json build = glint_json_member(root, "build");
     const struct glint_json count = glint_json_member(root, "seeds");
@@ -87,7 +87,8 @@ static void check_provenance(const struct glint_json *root)
     read_text(&scene, text, sizeof text);
     read_text(&build, text, sizeof text);
     glint_json_uint(&count, 1, UINT32_MAX, &seeds);
-    glint_json_uints(&resolution, 2, 1, UINT16_MAX, side);
+    if (glint_json_uints(&resolution, 2, 1, UINT16_MAX, side))
+        front->pixels = (double)side[0] * side[1];
 }
 
 static size_t read_length(const struct glint_json *points)
@@ -124,7 +125,7 @@ static glint_status read_front(struct glint_front **out, const cJSON *tree, stru
     if (!front)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a front");
     read_text(&revision, front->revision, sizeof front->revision);
-    check_provenance(&root);
+    read_provenance(&root, front);
     if (count)
         read_points(&points, front);
     *out = front;
@@ -165,27 +166,29 @@ static bool keeps(const struct glint_front_point *p, const struct glint_front_wi
 
 // Samples after which the noise of nearly every image is below `room`, a squared error: the root in
 // 1/sqrt(n) of variance x^2 (1 + 2 spread x) = room, by Newton from above, where it is convex.
-static double samples_for(const struct glint_front_point *p, double room)
+static double samples_for(const struct glint_front_point *p, double spread, double room)
 {
     double x = sqrt(room / p->variance);
     for (int i = 0; i < 32; i++) {
-        const double value = p->variance * x * x * (1 + 2 * p->spread * x) - room;
-        x -= value / (p->variance * x * (2 + 6 * p->spread * x));
+        const double value = p->variance * x * x * (1 + 2 * spread * x) - room;
+        x -= value / (p->variance * x * (2 + 6 * spread * x));
     }
     return ceil(1 / (x * x));
 }
 
 // What the point makes of the wish; false: nothing.
-static bool price(const struct glint_front_point *p, const struct glint_front_wish *wish,
+static bool price(const struct glint_front *front, const struct glint_front_wish *wish,
                   struct glint_front_choice *out)
 {
+    const struct glint_front_point *p = &front->point[out->point];
+    const double spread = p->spread * sqrt(fmax(front->pixels / wish->pixels, 1));
     const double each =
         p->seconds * wish->pixels / wish->workers; // seconds for a sample everywhere
     const double room = wish->error * wish->error - p->bias * p->bias;
     if (wish->error > 0 && room <= 0)
         return false;
     out->samples = wish->seconds > 0 ? floor(wish->seconds / each)
-                   : p->variance > 0 ? samples_for(p, room)
+                   : p->variance > 0 ? samples_for(p, spread, room)
                                      : 1;
     out->samples = fmin(fmax(out->samples, 1), wish->max_samples);
     out->error = sqrt(p->bias * p->bias + p->variance / out->samples);
@@ -199,7 +202,7 @@ bool glint_front_choose(const struct glint_front *front, const struct glint_fron
     bool found = false;
     for (size_t i = 0; i < front->points; i++) {
         struct glint_front_choice c = {.point = i};
-        if (!keeps(&front->point[i], wish) || !price(&front->point[i], wish, &c))
+        if (!keeps(&front->point[i], wish) || !price(front, wish, &c))
             continue;
         if (!found || (wish->seconds > 0 ? c.error < out->error : c.seconds < out->seconds))
             *out = c;

@@ -2,7 +2,8 @@
 //
 // A point is one way to render: settings of a job, what a sample costs and how its error falls.
 //   error(n)^2 = bias^2 + variance / n       relative, as a job's own error; on average
-//   its noise is below variance / n x (1 + 2 spread / sqrt(n)) nearly always
+//   its noise is below variance / n x (1 + 2 spread / sqrt(n)) nearly always; of an image with fewer
+//   pixels than the front's the spread is larger, by the root of their ratio
 //   seconds(n) = n x pixels x seconds / workers
 //
 // Thread-safety: immutable once read.
@@ -28,12 +29,14 @@ struct glint_front_point {
     double rays;     // likewise
     double variance; // relative, of one sample, >= 0
     double bias;     // relative, upper end of its 95% interval, >= 0
-    double spread; // of an image's squared error over seeds, over its mean, of one sample; 0: none
-    char row[128]; // of the table that it comes from
+    double spread;   // of an image's squared error over seeds, over its mean, of one sample and the
+                     // front's resolution; 0: none
+    char row[128];   // of the table that it comes from
 };
 
 struct glint_front {
     char revision[65]; // of the scene that it was measured on, "": not said
+    double pixels;     // of its images, 0: not said
     size_t points;
     struct glint_front_point point[]; // [points]
 };

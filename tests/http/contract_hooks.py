@@ -21,6 +21,16 @@ def meant_in_order(case):
     return case.meta is not None and case.meta.generation.mode.is_positive
 
 
+def leave_the_choice(job):
+    """Who gives a budget and settings may ask for what no point of the front reaches."""
+    accuracy = job.get("accuracy")
+    budget = {"time", "error"} & set(accuracy) if isinstance(accuracy, dict) else None
+    if budget:
+        job["accuracy"] = {name: accuracy[name] for name in budget}
+        job.pop("live", None)
+        job.pop("max_bounces", None)
+
+
 def lead(case):
     """A request that the contract allows, to things that exist."""
     label = case.operation.label
@@ -35,6 +45,7 @@ def lead(case):
         for reference in ("camera", "animation", "region", "sample_range", "mattes", "adaptive"):
             case.body.pop(reference, None)
         case.body["resolution"] = [16, 12]
+        leave_the_choice(case.body)
         outputs = case.body.get("outputs")
         if isinstance(outputs, list) and "matte_sums" in outputs and "crypto_object" not in outputs:
             outputs.append("crypto_object")  # whose sums they are

@@ -146,6 +146,11 @@ static void errors_that_spread_over_seeds_take_more_samples(void **state)
                                   "\"spread\":3}]}");
     const double n = choose(f, 0, 0.1).samples;
     assert_true(n >= 100 * (1 + 6 / sqrt(n)) && n - 1 < 100 * (1 + 6 / sqrt(n - 1)));
+    f->pixels = 4000; // four times those of the image: the spread is twice as large
+    const double few = choose(f, 0, 0.1).samples;
+    assert_true(few >= 100 * (1 + 12 / sqrt(few)) && few - 1 < 100 * (1 + 12 / sqrt(few - 1)));
+    f->pixels = 250; // it is not taken for smaller
+    assert_true(choose(f, 0, 0.1).samples == n);
     free(f);
 }
 
