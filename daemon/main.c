@@ -80,6 +80,7 @@ static glint_status start_alone(struct glint_house *h, struct glint_error *err)
         st = glint_folder_state(&h->state, h->settings.state, err);
     if (!st)
         st = glint_folder_cache(&h->cache, h->state, err);
+    glint_devices_once();
     if (!st)
         st = glint_devices_create(&h->devices, h->settings.threads, h->cache, err);
     return st;

@@ -20,6 +20,10 @@ typedef struct glint_worker glint_worker;   // index, device, in-order queue, ke
 typedef struct glint_program glint_program; // one variant, built for every worker
 typedef struct glint_buffer glint_buffer;   // memory that kernels and host share
 
+// Before the first glint_devices_create() of a process that will call it once: there need be no room
+// for a larger set of workers, and a start is 30 ms shorter.
+void glint_devices_once(void);
+
 // workers: 1..256 (0: one per core). Sets the environment PoCL reads, so call it before any thread
 // is started. cache_dir: where PoCL keeps compiled kernels, NULL for its default.
 glint_status glint_devices_create(glint_devices **out, uint32_t workers, const char *cache_dir,

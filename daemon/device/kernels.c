@@ -102,6 +102,7 @@ static int run(const char *key, const char *options, const char *folder, struct 
     glint_devices *devices;
     glint_program *program = NULL;
     int code = EXIT_FAILURE;
+    glint_devices_once();
     if (glint_devices_create(&devices, 1, NULL, err))
         return code;
     if (glint_program_get(&program, devices, options, err))
