@@ -13,7 +13,7 @@ import tempfile
 import yaml
 
 import tap
-from daemon import ROOM, Daemon
+from daemon import PATIENCE, ROOM, Daemon
 
 METHODS = ("get", "put", "post", "patch", "delete")
 PROBLEM = "#/components/schemas/Problem"
@@ -54,7 +54,7 @@ def test_the_contract_is_valid_openapi():
         file.write(daemon.get("/openapi.yaml").body)
         file.flush()
         run = subprocess.run([validator, "--schema", "3.1", "--errors", "all", file.name],
-                             capture_output=True, text=True, timeout=120, check=False)
+                             capture_output=True, text=True, timeout=PATIENCE, check=False)
         assert run.returncode == 0, run.stdout + run.stderr
 
 

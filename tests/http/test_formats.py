@@ -10,7 +10,7 @@ import time
 import zlib
 
 import tap
-from daemon import ROOM, Daemon, form, triangle_glb
+from daemon import PATIENCE, ROOM, Daemon, form, triangle_glb
 
 TRIANGLE = struct.pack("<9f", -1, -1, 0, 1, -1, 0, 0, 1, 0)
 OBJ = b"mtllib paint.mtl\no sail\nv -1 -1 0\nv 1 -1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n" \
@@ -272,7 +272,7 @@ def child_of(pid):
 
 
 def wait_for_child(pid):
-    end = time.monotonic() + 20
+    end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
         found = child_of(pid)
         if found:

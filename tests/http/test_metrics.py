@@ -76,7 +76,7 @@ def test_requests_are_counted_by_route_and_class_of_status():
             daemon.get("/v1/jobs/nobody")
         daemon.get("/what/is/this")
         daemon.ask("BREW", "/v1", None)
-        end = time.monotonic() + 60  # a request is counted once it is over: after its answer
+        end = time.monotonic() + PATIENCE  # a request is counted once it is over: after its answer
         while True:
             _, samples = families(scrape(daemon))
             requests = samples["glint_http_requests_total"]
@@ -90,30 +90,52 @@ def test_requests_are_counted_by_route_and_class_of_status():
         assert requests['method="PUT",route="/v1/scenes/{}",status="2xx"'] == 1
 
 
+def strange_figures(daemon, since, parts):
+    """Those that are not what the system says of the process, and the job of it, at about this time."""
+    text = scrape(daemon)
+    folder = f"/proc/{daemon.process.pid}"
+    with open(f"{folder}/statm", encoding="ascii") as file:
+        resident = int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    files, threads = len(os.listdir(f"{folder}/fd")), len(os.listdir(f"{folder}/task"))
+    _, samples = families(text)
+
+    def one(name, labels=""):
+        return samples[f"glint_{name}"][labels]
+
+    right = {
+        "process_open_fds": abs(one("process_open_fds") - files) <= 2,
+        "process_resident_memory_bytes":
+            0.8 < one("process_resident_memory_bytes") / resident < 1.25,
+        "process_start_time_seconds":
+            since - 2 < one("process_start_time_seconds") < time.time() + 2,
+        "process_cpu_seconds_total": 0 < one("process_cpu_seconds_total") < 100 * PATIENCE,
+        "process_threads": one("process_threads") == threads,
+        "workers": one("workers") == 2,
+        "scenes": one("scenes") == 1,
+        "jobs_submitted_total": one("jobs_submitted_total") == 1,
+        "job_waits_total": one("job_waits_total") == 1,
+        "job_wait_seconds_total": 0 < one("job_wait_seconds_total") < PATIENCE,
+        "http_waiting": one("http_waiting", 'lane="frame"') == 0,
+        "jobs": one("jobs", 'state="done"') == 1,
+        "http_tiles_sent_total": one("http_tiles_sent_total") == parts,
+        "slices_total": one("slices_total") >= 4,
+        "worker_busy_seconds_total": one("worker_busy_seconds_total") > 0,
+        "build_info": any('version="' in labels for labels in samples["glint_build_info"]),
+    }
+    return [name for name, is_right in right.items() if not is_right], text
+
+
+# What the job held is given back beside the scrape, and memory is read a moment later.
 def test_figures_are_those_of_the_process_and_its_work():
     before = time.time()
     with Daemon("--threads", "2") as daemon:
         _, parts = render(daemon)
-        _, samples = families(scrape(daemon))
-
-        def one(name):
-            return samples[f"glint_{name}"][""]
-
-        files = len(os.listdir(f"/proc/{daemon.process.pid}/fd"))
-        assert abs(one("process_open_fds") - files) <= 2, (one("process_open_fds"), files)
-        with open(f"/proc/{daemon.process.pid}/statm", encoding="ascii") as file:
-            resident = int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-        assert 0.8 < one("process_resident_memory_bytes") / resident < 1.25
-        assert before - 2 < one("process_start_time_seconds") < time.time() + 2
-        assert 0 < one("process_cpu_seconds_total") < 100 * PATIENCE
-        assert one("process_threads") == len(os.listdir(f"/proc/{daemon.process.pid}/task"))
-        assert one("workers") == 2 and one("scenes") == 1 and one("jobs_submitted_total") == 1
-        assert one("job_waits_total") == 1 and 0 < one("job_wait_seconds_total") < PATIENCE
-        assert samples["glint_http_waiting"]['lane="frame"'] == 0
-        assert samples["glint_jobs"]['state="done"'] == 1
-        assert one("http_tiles_sent_total") == parts
-        assert one("slices_total") >= 4 and one("worker_busy_seconds_total") > 0
-        assert any('version="' in labels for labels in samples["glint_build_info"])
+        end = time.monotonic() + PATIENCE
+        while True:
+            strange, text = strange_figures(daemon, before, parts)
+            if not strange:
+                break
+            assert time.monotonic() < end, (strange, text)
 
 
 if __name__ == "__main__":
