@@ -3,6 +3,7 @@
 // One item per pixel of one tile, all its samples in order: a pixel has one owner, so no atomics.
 // Runs of equal keys are merged before the table is touched.
 #include "kernels/gk_matte_spill.h"
+#include "kernels/gk_transport.h"
 #include "kernels/gk_wave.h"
 #ifdef GK_SHARED_TABLES
 #include "kernels/gk_matte_shared.h"
@@ -86,6 +87,34 @@ __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32
 }
 
 #ifdef GK_THROUGH
+// Camera rays have met something, been shaded and go on: what they hold from here.
+__kernel void carry_first(__global float *restrict wave, const gk_u32 stride, const gk_u32 n,
+                          const __global struct gk_frame *restrict frame)
+{
+    const gk_u32 i = (gk_u32)get_global_id(0);
+    if (i >= n)
+        return;
+    const struct gk_passing p = gk_passing_load(wave, stride, i);
+    struct gk_transport t = gk_transport_begin(frame);
+    gk_transport_arrive(&t, frame, &p);
+    gk_transport_leave(&t, frame, &p);
+    gk_transport_store(wave, stride, i, &t, 1);
+}
+
+// The same of later vertices, of the first n paths.
+__kernel void carry_coverage(__global float *restrict wave, const gk_u32 stride, const gk_u32 n,
+                             const __global struct gk_frame *restrict frame)
+{
+    const gk_u32 i = (gk_u32)get_global_id(0);
+    if (i >= n)
+        return;
+    const struct gk_passing p = gk_passing_load(wave, stride, i);
+    struct gk_transport t = gk_transport_load(wave, stride, i);
+    gk_transport_arrive(&t, frame, &p);
+    gk_transport_leave(&t, frame, &p);
+    gk_transport_store(wave, stride, i, &t, 0);
+}
+
 // What the first vertices of a whole wave, just shaded, have left for the mattes: lanes are in their
 // places, arguments as above.
 __kernel void deposit_first(const __global float *restrict wave, const gk_u32 stride,

@@ -1,6 +1,5 @@
 // generate.cl - camera rays of a wave.
 #include "kernels/gk_camera.h"
-#include "kernels/gk_held.h"
 #include "kernels/gk_radiance.h"
 #include "kernels/gk_scene.h"
 
@@ -68,8 +67,5 @@ __kernel void generate_camera_rays(__global float *restrict wave, const gk_u32 s
     GK_STORE(GK_COL_FORWARD_V, i, 0.0f);
     GK_STORE(GK_COL_BACKWARD_U, i, 0.0f);
     GK_STORE(GK_COL_BACKWARD_V, i, 0.0f);
-#endif
-#ifdef GK_THROUGH
-    gk_transport_begin(wave, stride, i, frame);
 #endif
 }

@@ -82,15 +82,16 @@ GK_INLINE void gk_cone_advance(struct gk_cone *c, gk_f32 t)
     c->way += t;
 }
 
-// Slope of a cone of radius r and slope g beyond a vertex: after a mirror, or, where it crosses,
-// paraxial refraction. curvature: 1/m, > 0 where the surface bulges towards the path. cosine > 0, of
-// the path; eta: index behind over index before. One division for both.
-GK_INLINE gk_f32 gk_cone_bent(gk_f32 r, gk_f32 g, gk_f32 curvature, gk_f32 cosine, gk_f32 eta,
-                              gk_i32 crosses)
+// Slope of a cone beyond a vertex: of_slope times that before and of_radius times its radius. After a
+// mirror, or, where it crosses, paraxial refraction. curvature: 1/m, > 0 where the surface bulges
+// towards the path. cosine > 0, of the path; eta: index behind over index before. One division for both.
+GK_INLINE void gk_cone_bend(gk_f32 curvature, gk_f32 cosine, gk_f32 eta, gk_i32 crosses,
+                            gk_f32 *of_slope, gk_f32 *of_radius)
 {
     const gk_f32 inverse = 1.0f / (crosses ? eta : cosine);
-    const gk_f32 across = inverse * g - (1.0f - inverse) * curvature * r;
-    return crosses ? across : g + 2.0f * curvature * r * inverse;
+    const gk_f32 across = (inverse - 1.0f) * curvature;
+    *of_slope = crosses ? inverse : 1.0f;
+    *of_radius = crosses ? across : 2.0f * curvature * inverse;
 }
 
 // Square of the radius at a hit.

@@ -25,11 +25,27 @@ struct gk_transport {
     struct gk_cone cone;
     struct gk_deposit before, last; // of this vertex
     gk_u32 excess;
-    gk_u32 met;  // matte of this vertex, 0: none
-    gk_f32 over; // at a vertex: what the one before hands on over what is held, 1 at least
+    gk_u32 met;   // matte of this vertex, 0: none
+    gk_f32 going; // at a vertex: units that the one before hands on, `held` or more
 };
 
-// Before the first vertex a path has neither spread nor a deposit that waits: its columns are not read.
+// Of a camera ray, on its way to what it meets first.
+GK_INLINE struct gk_transport gk_transport_begin(const GK_GLOBAL struct gk_frame *frame)
+{
+    struct gk_transport t;
+    t.held = GK_MATTE_ONE;
+    t.waits = 0u;
+    t.carried = t.going = 0.0f;
+    t.spread = gk_spread_none();
+    t.cone.r = frame->matte_radius;
+    t.cone.g = frame->matte_slope;
+    t.cone.way = 0.0f;
+    t.before.key = t.before.amount = t.last.key = t.last.amount = t.excess = t.met = 0u;
+    return t;
+}
+
+// Before the second vertex a path has no spread, and before the first no deposit that waits: these
+// columns are not read.
 GK_INLINE struct gk_transport gk_transport_load(const GK_GLOBAL gk_f32 *wave, gk_u32 stride,
                                                 gk_u32 i)
 {
@@ -43,20 +59,22 @@ GK_INLINE struct gk_transport gk_transport_load(const GK_GLOBAL gk_f32 *wave, gk
     t.cone.r = t.cone.g = 0.0f;
     t.cone.way = GK_LOAD(GK_COL_WAY, i);
 #ifdef GK_GLOSSY_MATTES
-    t.spread.s0 = begun ? GK_LOAD(GK_COL_SPREAD0, i) : 0.0f;
-    t.spread.s1 = begun ? GK_LOAD(GK_COL_SPREAD1, i) : 0.0f;
-    t.spread.s2 = begun ? GK_LOAD(GK_COL_SPREAD2, i) : 0.0f;
+    const gk_i32 bounced = begun && (t.waits & GK_WAITS_FIRST) == 0u;
+    t.spread.s0 = bounced ? GK_LOAD(GK_COL_SPREAD0, i) : 0.0f;
+    t.spread.s1 = bounced ? GK_LOAD(GK_COL_SPREAD1, i) : 0.0f;
+    t.spread.s2 = bounced ? GK_LOAD(GK_COL_SPREAD2, i) : 0.0f;
     t.spread.since = begun ? GK_LOAD(GK_COL_SINCE, i) : 0.0f;
     t.cone.r = GK_LOAD(GK_COL_RADIUS, i);
     t.cone.g = GK_LOAD(GK_COL_SLOPE, i);
 #endif
     t.before.key = t.before.amount = t.last.key = t.last.amount = t.excess = t.met = 0u;
-    t.over = 1.0f;
+    t.going = 0.0f;
     return t;
 }
 
+// first: of the vertex that a camera ray has met: what it has none of is not written.
 GK_INLINE void gk_transport_store(GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_u32 i,
-                                  const struct gk_transport *t)
+                                  const struct gk_transport *t, gk_i32 first)
 {
     GK_STORE_U32(GK_COL_HELD, i, t->held);
     GK_STORE_U32(GK_COL_WAITS, i, t->waits);
@@ -64,35 +82,23 @@ GK_INLINE void gk_transport_store(GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_u32 
     GK_STORE(GK_COL_LAST, i, t->spread.last);
     GK_STORE(GK_COL_WAY, i, t->cone.way);
 #ifdef GK_GLOSSY_MATTES
-    GK_STORE(GK_COL_SPREAD0, i, t->spread.s0);
-    GK_STORE(GK_COL_SPREAD1, i, t->spread.s1);
-    GK_STORE(GK_COL_SPREAD2, i, t->spread.s2);
     GK_STORE(GK_COL_SINCE, i, t->spread.since);
     GK_STORE(GK_COL_RADIUS, i, t->cone.r);
     GK_STORE(GK_COL_SLOPE, i, t->cone.g);
+    if (!first) {
+        GK_STORE(GK_COL_SPREAD0, i, t->spread.s0);
+        GK_STORE(GK_COL_SPREAD1, i, t->spread.s1);
+        GK_STORE(GK_COL_SPREAD2, i, t->spread.s2);
+    }
 #endif
     GK_STORE_U32(GK_COL_DEPOSIT0, i, t->before.key);
     GK_STORE_U32(GK_COL_AMOUNT0, i, t->before.amount);
     GK_STORE_U32(GK_COL_DEPOSIT1, i, t->last.key);
     GK_STORE_U32(GK_COL_AMOUNT1, i, t->last.amount);
-    GK_STORE_U32(GK_COL_EXCESS, i, t->excess);
+    if (!first)
+        GK_STORE_U32(GK_COL_EXCESS, i, t->excess);
 #ifdef GK_PATH_LIST
     GK_STORE_U32(GK_COL_MET, i, t->met);
-#endif
-}
-
-// Of a camera ray.
-GK_INLINE void gk_transport_begin(GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_u32 i,
-                                  const GK_GLOBAL struct gk_frame *frame)
-{
-    GK_STORE_U32(GK_COL_HELD, i, GK_MATTE_ONE);
-    GK_STORE_U32(GK_COL_WAITS, i, 0u);
-    GK_STORE(GK_COL_WAY, i, 0.0f);
-#ifdef GK_GLOSSY_MATTES
-    GK_STORE(GK_COL_RADIUS, i, frame->matte_radius);
-    GK_STORE(GK_COL_SLOPE, i, frame->matte_slope);
-#else
-    (void)frame;
 #endif
 }
 

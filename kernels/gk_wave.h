@@ -85,8 +85,17 @@
 #define GK_COL_FORWARD_V 64
 #define GK_COL_BACKWARD_U 65 // a frame earlier
 #define GK_COL_BACKWARD_V 66
-// Of the path again: deposits of the vertex just shaded, which the next pass takes, of the vertex before
-// and of a last one.
+// Of the path again: how the vertex just shaded passes coverage on (gk_passing.h), if any is held. The
+// pass that carries it leaves in their places what the one after takes.
+#define GK_COL_PASSING 67  // matte that was hit, GK_PASSING_*
+#define GK_COL_GAIN 68     // b/q
+#define GK_COL_VARIANCE 69 // v^2
+#define GK_COL_STEP 70     // way to the vertex
+#define GK_COL_BEND_SLOPE \
+    71 // the cone's slope beyond is this of its slope before and that of its radius
+#define GK_COL_BEND_RADIUS 76
+#define GK_COL_OPAQUE 75 // 1 - T of Eq. 8
+// Deposits, of the vertex before and of a last one.
 #define GK_COL_DEPOSIT0 67 // slot key, GK_WAITS_DIRECT; 0: none
 #define GK_COL_AMOUNT0 68  // units
 #define GK_COL_DEPOSIT1 69
@@ -97,13 +106,20 @@
 #define GK_COL_LG_REST 73
 #define GK_COL_LB_REST 74
 #define GK_COL_MET 75 // matte of the vertex just shaded, 0: none
-#define GK_COLUMNS 76
+#define GK_COLUMNS 77
 
 // Bits of GK_COL_WAITS beside the slot key.
 #define GK_WAITS_DIRECT 0x80000000u  // seen directly, or by deltas alone
 #define GK_WAITS_CROSSED 0x40000000u // the path went on through x_1, else it was reflected there
 #define GK_WAITS_FIRST 0x20000000u   // it is x_1
 #define GK_WAITS_KEY 0x7fffffu
+
+// Bits of GK_COL_PASSING beside the matte.
+#define GK_PASSING_ALIVE 0x80000000u    // the path goes on
+#define GK_PASSING_STRAIGHT 0x40000000u // through a surface that is none
+#define GK_PASSING_MEDIUM 0x20000000u   // it turned before the surface
+#define GK_PASSING_CROSSES 0x10000000u
+#define GK_PASSING_MISSED 0x8000000u
 
 #define GK_MATTE_BACKGROUND 1u
 

@@ -26,6 +26,7 @@ kernel_headers = \
 	kernels/gk_medium.h \
 	kernels/gk_sampler.h \
 	kernels/gk_pair.h \
+	kernels/gk_passing.h \
 	kernels/gk_radiance.h \
 	kernels/gk_scatter.h \
 	kernels/gk_scene.h \

@@ -4,8 +4,8 @@
 // One item per path; every item reads and writes its own columns only.
 #include "kernels/gk_film.h"
 #include "kernels/gk_light_grid.h"
+#include "kernels/gk_passing.h"
 #include "kernels/gk_radiance.h"
-#include "kernels/gk_transport.h"
 #include "kernels/gk_vertex.h"
 
 struct gk_lights {
@@ -194,22 +194,17 @@ GK_INLINE void gk_sample_light(__global float *wave, gk_u32 stride, gk_u32 i,
 #endif
 }
 
-// The coverage that the path holds: the vertex before and this one take theirs. scale: 1/q.
-GK_INLINE void gk_carry_coverage(__global float *wave, gk_u32 stride, gk_u32 i,
-                                 const __global struct gk_frame *frame,
-                                 const struct gk_resident *scene, const struct gk_vertex *x,
-                                 const struct gk_next *next, gk_f32 scale, gk_i32 alive)
+// What the pass that carries coverage wants to know of the vertex. scale: 1/q.
+GK_INLINE void gk_pass_coverage(__global float *wave, gk_u32 stride, gk_u32 i,
+                                const struct gk_resident *scene, const struct gk_vertex *x,
+                                const struct gk_next *next, gk_f32 scale, gk_i32 alive)
 {
 #ifdef GK_THROUGH
-    struct gk_transport t = gk_transport_load(wave, stride, i);
-    gk_transport_arrive(&t, frame, scene, x);
-    gk_transport_leave(&t, frame, scene, x, next, scale, alive);
-    gk_transport_store(wave, stride, i, &t);
+    gk_passing_store(wave, stride, i, scene, x, next, scale, alive);
 #else
     (void)wave;
     (void)stride;
     (void)i;
-    (void)frame;
     (void)scene;
     (void)x;
     (void)next;
@@ -252,7 +247,7 @@ GK_INLINE void gk_go_on(__global float *wave, gk_u32 stride, gk_u32 i,
     GK_STORE_U32(GK_COL_GEOMETRY, i, GK_NONE);
     GK_STORE_U32(GK_COL_INSTANCE, i, GK_NONE);
     gk_store_carried(wave, stride, i, x, &next);
-    gk_carry_coverage(wave, stride, i, frame, scene, x, &next, 1.0f / gk_max(q, 1e-30f), alive);
+    gk_pass_coverage(wave, stride, i, scene, x, &next, 1.0f / gk_max(q, 1e-30f), alive);
 }
 
 #ifdef GK_FLOW
@@ -347,9 +342,8 @@ GK_INLINE struct gk_environment gk_environment_of(const __global struct gk_frame
     return e;
 }
 
-// The paths from `first` to before `n`.
 __kernel void shade_surface(
-    __global float *restrict wave, const gk_u32 stride, const gk_u32 first, const gk_u32 n,
+    __global float *restrict wave, const gk_u32 stride, const gk_u32 n,
     const __global struct gk_frame *restrict frame,
     const __global struct gk_wave_rect *restrict rect,
     const __global struct gk_triangle *restrict triangles,
@@ -367,7 +361,7 @@ __kernel void shade_surface(
     const __global gk_f32 *restrict energy, const __global struct gk_env_texel *restrict env_texels,
     const __global struct gk_env_cell *restrict env_cells)
 {
-    const gk_u32 i = first + (gk_u32)get_global_id(0);
+    const gk_u32 i = (gk_u32)get_global_id(0);
     if (i >= n)
         return;
     const struct gk_resident scene = {triangles,

@@ -144,7 +144,8 @@ glint_status glint_carried_deposit(struct glint_run *r)
     if (!st)
         st = whole ? glint_run_tiles(r, deposit_first)
                    : glint_run_deposit_paths(r, r->wave->tables, r->holding);
-    count_excess(r);
+    if (r->bounce > 0) // what a camera ray brings has no weight yet
+        count_excess(r);
     glint_run_charge(r, GLINT_PASS_CARRIED);
     return st;
 }

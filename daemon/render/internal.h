@@ -44,7 +44,6 @@ struct glint_view {
     struct glint_film_info info; // borrows from the members above
     struct glint_plan plan;
     glint_program *program;
-    glint_program *plain; // without mattes through bounces, where the job has them; else NULL
     glint_buffer *frame;
     struct glint_wave_job wave_job;
     glint_film *film; // the render's

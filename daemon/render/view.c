@@ -46,7 +46,6 @@ static void fill_wave_job(struct glint_view *v)
                                 v->job.dial[GLINT_DIAL_THROUGH] != GLINT_THROUGH_NONE;
     v->wave_job.matte_shared = v->plan.on & glint_effect_bit(GLINT_EFFECT_SHARED_TABLES);
     v->wave_job.matte_rows = v->wave_job.matte_through ? glint_matte_rows(&v->job) : 0;
-    v->wave_job.plain = v->plain;
     v->wave_job.seed = v->job.seed;
     v->wave_job.parts_log2 = v->job.estimate == GLINT_ESTIMATE_BATCHES ? 4 : 1;
 }
@@ -65,20 +64,6 @@ static void fill_info(struct glint_view *v)
     glint_render_matrices(v, info->to_camera, info->to_ndc);
 }
 
-// The program of the same job without mattes through bounces, which its waves go over to once no
-// path of theirs holds coverage: it makes the same picture.
-static glint_status get_plain(struct glint_view *v, const struct glint_effect_input *in,
-                              uint64_t force, struct glint_error *err)
-{
-    struct glint_job job = v->job;
-    struct glint_effect_input plain = *in;
-    struct glint_plan plan;
-    job.dial[GLINT_DIAL_THROUGH] = GLINT_THROUGH_NONE;
-    plain.job = &job;
-    glint_plan_make(&plan, &plain, force);
-    return glint_program_get(&v->plain, v->render->devices, plan.options, err);
-}
-
 static glint_status prepare(struct glint_view *v, const struct glint_view *like, uint64_t force,
                             struct glint_error *err)
 {
@@ -92,8 +77,6 @@ static glint_status prepare(struct glint_view *v, const struct glint_view *like,
     glint_status st = glint_matte_check(&v->job, v->info.mattes, "/mattes/eviction", err);
     if (!st)
         st = glint_program_get(&v->program, devices, v->plan.options, err);
-    if (!st && v->job.dial[GLINT_DIAL_THROUGH] != GLINT_THROUGH_NONE)
-        st = get_plain(v, &in, force, err);
     if (!st)
         st = glint_resident_geometry(v->scene, kind, robust, &v->wave_job.geometry, err);
     if (!st)
@@ -153,7 +136,6 @@ void glint_view_release(struct glint_view **view)
         return;
     glint_buffer_destroy(&v->frame);
     glint_program_release(&v->program);
-    glint_program_release(&v->plain);
     glint_resident_release(&v->scene);
     glint_arena_finish(&v->job.arena);
     free(v);

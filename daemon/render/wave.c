@@ -10,7 +10,6 @@
 
 #define STRIDE GLINT_WAVE_STRIDE
 #define GROUP 64u // items of a work-group: one vectorised loop
-#define VECTOR 16u
 
 static void constant_columns(float *columns)
 {
@@ -97,34 +96,26 @@ static glint_status generate(struct glint_run *r)
     return st;
 }
 
-// The paths from `first` to before `end`.
-static glint_status shade(struct glint_run *r, glint_program *program, uint32_t first, uint32_t end)
+static glint_status shade(struct glint_run *r, uint32_t n)
 {
     const uint32_t stride = STRIDE;
-    struct glint_arg args[6 + GLINT_TABLES] = {
-        BUFFER(r->wave->columns), VALUE(stride),        VALUE(first), VALUE(end),
-        BUFFER(r->job->frame),    BUFFER(r->wave->rect)};
+    struct glint_arg args[5 + GLINT_TABLES] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(n),
+                                               BUFFER(r->job->frame), BUFFER(r->wave->rect)};
     for (int t = 0; t < GLINT_TABLES; t++)
-        args[6 + t].buffer = glint_resident_table(r->job->scene, t);
-    return glint_launch(r->worker, program, "shade_surface", grid_of(r, end - first), GROUP, args,
-                        6 + GLINT_TABLES, r->err);
+        args[5 + t].buffer = glint_resident_table(r->job->scene, t);
+    const glint_status st = glint_run_launch(r, "shade_surface", n, args, 5 + GLINT_TABLES);
+    glint_run_charge(r, GLINT_PASS_SHADE);
+    return st;
 }
 
-// The paths that hold coverage, filled up to whole vectors with some that do not, go through the
-// program for that, the others through the plain one. The picture is the same by either.
-static glint_status shade_all(struct glint_run *r, uint32_t n)
+// What the first n paths hold goes on from the vertices just shaded.
+static glint_status carry(struct glint_run *r, const char *kernel, uint32_t n)
 {
-    const uint32_t vectors = (r->holding + VECTOR - 1) / VECTOR * VECTOR;
-    const uint32_t holding = !r->job->plain || vectors > n ? n : vectors;
-    uint32_t *held = (uint32_t *)glint_buffer_host(r->wave->columns) + GK_COL_HELD * (size_t)STRIDE;
-    glint_status st = GLINT_OK;
-    for (uint32_t i = r->holding; r->job->plain && i < holding; i++)
-        held[i] = 0;
-    if (holding > 0)
-        st = shade(r, r->job->program, 0, holding);
-    if (!st && holding < n)
-        st = shade(r, r->job->plain, holding, n);
-    glint_run_charge(r, GLINT_PASS_SHADE);
+    const uint32_t stride = STRIDE;
+    const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(n),
+                                     BUFFER(r->job->frame)};
+    const glint_status st = glint_run_launch(r, kernel, n, args, 4);
+    glint_run_charge(r, GLINT_PASS_CARRIED);
     return st;
 }
 
@@ -161,10 +152,10 @@ static uint32_t compact(struct glint_run *r, uint32_t n)
         float *column = columns + (size_t)k * STRIDE;
         if (k >= GK_COL_TIME && !(r->job->plan->carries >> k & 1))
             continue;
-        if (of_coverage(k))
-            glint_compact_holding(c, column);
-        else
+        if (!of_coverage(k))
             glint_compact_column(c, column);
+        else if (r->holding > 0)
+            glint_compact_holding(c, column);
     }
     r->holding = c->holding.count;
     glint_run_charge(r, GLINT_PASS_COMPACT);
@@ -181,15 +172,17 @@ static glint_status trace_paths(struct glint_run *r)
 {
     float *columns = glint_buffer_host(r->wave->columns);
     glint_status st = generate(r);
-    r->holding = r->job->matte_through ? r->lanes : 0;
     uint32_t n = st ? 0 : compact(r, r->lanes);
+    r->holding = r->job->matte_through ? n : 0;
     r->wave->stats.camera_rays += n;
     while (!st && n > 0) {
         if (interrupted(r))
             return GLINT_E_BUSY;
         glint_geometry_trace_wave(r->job->geometry, columns, STRIDE, n);
         glint_run_charge(r, GLINT_PASS_TRACE);
-        st = shade_all(r, n);
+        st = shade(r, n);
+        if (!st && r->holding > 0)
+            st = carry(r, r->bounce == 0 ? "carry_first" : "carry_coverage", r->holding);
         if (!st && glint_plan_has(r->job->plan, GLINT_PASS_SHADOW))
             st = trace_shadows(r, n);
         if (!st)
@@ -305,15 +298,17 @@ static glint_status launch_all(struct glint_run *r)
     const struct glint_film_tile nowhere = {.planes = r->wave->columns, .tables = r->wave->columns};
     glint_status st = generate(r);
     if (!st)
-        st = shade(r, r->job->program, 0, 0);
-    if (!st && r->job->plain)
-        st = shade(r, r->job->plain, 0, 0);
+        st = shade(r, 0);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_UNOCCLUDED))
         st = glint_run_launch(r, "add_unoccluded", 0, args, 3);
     if (!st)
         st = accumulate_sample(r, &nowhere, 0, 0, 0);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_COVERAGE))
         st = glint_run_deposit_pixels(r, "deposit_coverage", &nowhere, 0, 0);
+    if (!st && r->job->matte_through)
+        st = carry(r, "carry_first", 0);
+    if (!st && r->job->matte_through)
+        st = carry(r, "carry_coverage", 0);
     if (!st && r->job->matte_through)
         st = glint_run_deposit_pixels(r, "deposit_first", &nowhere, 0, 0);
     if (!st && r->job->matte_through)

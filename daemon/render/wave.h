@@ -24,10 +24,9 @@ struct glint_wave_job {
     const glint_geometry *geometry;
     glint_buffer *frame; // struct gk_frame
     uint32_t matte_slots, matte_policy;
-    bool matte_through;   // deposits carried coverage
-    bool matte_shared;    // by an item for each path
-    uint32_t matte_rows;  // of the list of what a path has met, 0: none is kept
-    glint_program *plain; // the program without that, for waves whose paths hold none; or NULL
+    bool matte_through;  // deposits carried coverage
+    bool matte_shared;   // by an item for each path
+    uint32_t matte_rows; // of the list of what a path has met, 0: none is kept
     uint32_t seed;
     uint32_t parts_log2;            // 1: samples are of two halves, 4: of 16 batches
     const atomic_bool *interrupted; // NULL: never

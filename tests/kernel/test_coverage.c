@@ -204,15 +204,22 @@ static void a_miss_is_the_limit_of_far_hits(void **state)
 }
 
 // A mirror ball seen from far away: parallel rays leave as if from half its radius behind it.
+static float bent(float r, float g, float curvature, float eta, int crosses)
+{
+    float of_slope, of_radius;
+    gk_cone_bend(curvature, 1.0f, eta, crosses, &of_slope, &of_radius);
+    return of_slope * g + of_radius * r;
+}
+
 static void a_cone_reflects_as_a_convex_mirror_does(void **state)
 {
     (void)state;
     struct gk_cone c = {0.01f, 0.0f, 0.0f}, hollow = c;
-    c.g = gk_cone_bent(c.r, c.g, 2.0f, 1.0f, 1.0f, 0); // radius 1/2: focal length 1/4
+    c.g = bent(c.r, c.g, 2.0f, 1.0f, 0); // radius 1/2: focal length 1/4
     assert_within(c.g - 0.04, 1e-8);
     gk_cone_advance(&c, 1.0f);
     assert_within(c.r - 0.05, 1e-8);
-    hollow.g = gk_cone_bent(hollow.r, hollow.g, -2.0f, 1.0f, 1.0f, 0);
+    hollow.g = bent(hollow.r, hollow.g, -2.0f, 1.0f, 0);
     gk_cone_advance(&hollow, 0.5f); // through its focus: the sign turns
     assert_within(hollow.r + 0.01, 1e-8);
 }
@@ -233,10 +240,10 @@ static void a_cone_refracts_as_one_face_of_a_lens_does(void **state)
 {
     (void)state;
     struct gk_cone c = {0.01f, 0.0f, 0.0f};
-    c.g = gk_cone_bent(c.r, c.g, 1.0f, 1.0f, 1.5f, 1);
+    c.g = bent(c.r, c.g, 1.0f, 1.5f, 1);
     gk_cone_advance(&c, 3.0f);
     assert_within(c.r, 1e-8);
-    assert_within(gk_cone_bent(0.01f, 0.3f, 0.0f, 1.0f, 1.5f, 1) - 0.2, 1e-7);
+    assert_within(bent(0.01f, 0.3f, 0.0f, 1.5f, 1) - 0.2, 1e-7);
 }
 
 static void what_goes_on_is_never_more_than_there_is(void **state)
