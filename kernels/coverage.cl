@@ -36,7 +36,7 @@ GK_INLINE void gk_pixel_flush(struct gk_pixel_table *t)
 GK_INLINE void gk_pixel_deposit(struct gk_pixel_table *t, gk_u32 waits, gk_u32 amount)
 {
     const gk_u32 taken = waits ? amount : 0u;
-    if (taken > 0u && waits != t->waits) {
+    if ((taken > 0u) & (waits != t->waits)) { // one branch: either alone is a toss-up
         gk_pixel_flush(t);
         t->waits = waits;
     }
@@ -45,6 +45,8 @@ GK_INLINE void gk_pixel_deposit(struct gk_pixel_table *t, gk_u32 waits, gk_u32 a
 
 GK_INLINE void gk_table_lose(__global gk_u64 *table, gk_u32 slots, const struct gk_matte_lost *lost)
 {
+    if ((lost->primary | lost->bounced) == 0u)
+        return;
     table[slots + GK_MATTE_LOST_PRIMARY] += lost->primary;
     table[slots + GK_MATTE_LOST_BOUNCED] += lost->bounced;
 }
@@ -55,13 +57,11 @@ GK_INLINE void gk_pixel_finish(struct gk_pixel_table *t)
     gk_table_lose(t->tables + t->pixel * gk_matte_words(t->slots, t->policy), t->slots, &t->lost);
 }
 
-// waits: GK_COL_WAITS, 0: nothing is deposited.
+// waits: GK_COL_WAITS, not 0; amount: > 0.
 GK_INLINE void gk_path_deposit(__global gk_u64 *tables, gk_u32 pixel, gk_u32 slots, gk_u32 waits,
                                gk_u32 amount, gk_u32 policy, gk_u32 salt)
 {
     struct gk_matte_lost lost = {0, 0};
-    if (waits == 0u || amount == 0u)
-        return;
     gk_matte_deposit_tile(tables, pixel, slots, waits & GK_WAITS_KEY, waits >> 31, amount, policy,
                           gk_mix32(salt), &lost);
     gk_table_lose(tables + pixel * gk_matte_words(slots, policy), slots, &lost);
@@ -169,6 +169,21 @@ __kernel void deposit_carried(const __global float *restrict wave, const gk_u32 
                   GK_LOAD_U32(GK_COL_AMOUNT1, i), policy, salt ^ (2u * lane + 1u));
 }
 #else
+// Deposits of some paths, without those of nothing: whether there is one is a toss-up, which is not
+// left to the processor to guess.
+#define GK_BATCH 32u
+struct gk_batch {
+    gk_u32 count, lane[2u * GK_BATCH], waits[2u * GK_BATCH], amount[2u * GK_BATCH];
+};
+
+GK_INLINE void gk_batch_put(struct gk_batch *b, gk_u32 lane, gk_u32 waits, gk_u32 amount)
+{
+    b->lane[b->count] = lane;
+    b->waits[b->count] = waits;
+    b->amount[b->count] = amount;
+    b->count += (waits != 0u) & (amount != 0u);
+}
+
 // Of later vertices: those of the first n paths, one item in all, because any of them may share a
 // pixel. tables: [pixels][gk_matte_words()]; pixels: of the block, a power of two. salt:
 // new for each launch on a block.
@@ -176,16 +191,24 @@ __kernel void deposit_carried(const __global float *restrict wave, const gk_u32 
                               const gk_u32 n, const gk_u32 pixels, __global gk_u64 *restrict tables,
                               const gk_u32 slots, const gk_u32 policy, const gk_u32 salt)
 {
+    struct gk_batch b;
     if (get_global_id(0) > 0)
         return;
-    for (gk_u32 i = 0; i < n; i++) {
-        const gk_u32 lane = GK_LOAD_U32(GK_COL_LANE, i);
-        const gk_u32 pixel = lane & 255u, tile = (lane & (pixels - 1u)) - pixel;
-        __global gk_u64 *of_tile = tables + tile * gk_matte_words(slots, policy);
-        gk_path_deposit(of_tile, pixel, slots, GK_LOAD_U32(GK_COL_DEPOSIT0, i),
-                        GK_LOAD_U32(GK_COL_AMOUNT0, i), policy, salt ^ 2u * lane);
-        gk_path_deposit(of_tile, pixel, slots, GK_LOAD_U32(GK_COL_DEPOSIT1, i),
-                        GK_LOAD_U32(GK_COL_AMOUNT1, i), policy, salt ^ (2u * lane + 1u));
+    for (gk_u32 first = 0; first < n; first += GK_BATCH) {
+        const gk_u32 end = first + GK_BATCH < n ? first + GK_BATCH : n;
+        b.count = 0u;
+        for (gk_u32 i = first; i < end; i++) {
+            const gk_u32 lane = 2u * GK_LOAD_U32(GK_COL_LANE, i);
+            gk_batch_put(&b, lane, GK_LOAD_U32(GK_COL_DEPOSIT0, i), GK_LOAD_U32(GK_COL_AMOUNT0, i));
+            gk_batch_put(&b, lane + 1u, GK_LOAD_U32(GK_COL_DEPOSIT1, i),
+                         GK_LOAD_U32(GK_COL_AMOUNT1, i));
+        }
+        for (gk_u32 k = 0; k < b.count; k++) {
+            const gk_u32 lane = b.lane[k] >> 1;
+            const gk_u32 pixel = lane & 255u, tile = (lane & (pixels - 1u)) - pixel;
+            gk_path_deposit(tables + tile * gk_matte_words(slots, policy), pixel, slots, b.waits[k],
+                            b.amount[k], policy, salt ^ b.lane[k]);
+        }
     }
 }
 #endif

@@ -141,6 +141,19 @@ GK_INLINE struct gk_matte_search gk_matte_find(const GK_GLOBAL gk_u64 *table, gk
     return s;
 }
 
+// The slot of a key, or an empty one for it; GK_MATTE_NOWHERE: the table is full.
+GK_INLINE gk_u32 gk_matte_place(const GK_GLOBAL gk_u64 *table, gk_u32 slots, gk_u32 key)
+{
+    gk_u32 at = gk_matte_start(key, slots);
+    for (gk_u32 k = 0; k < slots; k++) {
+        const gk_u32 held = gk_matte_key(table[at]);
+        if (held == key || held == 0u)
+            return at;
+        at = at + 1u == slots ? 0u : at + 1u;
+    }
+    return GK_MATTE_NOWHERE;
+}
+
 // The smaller of two slots, of which either may be GK_MATTE_NOWHERE.
 GK_INLINE gk_u32 gk_matte_lesser(const GK_GLOBAL gk_u64 *table, gk_u32 a, gk_u32 b)
 {
@@ -212,9 +225,9 @@ GK_INLINE void gk_matte_deposit(GK_GLOBAL gk_u64 *table, gk_u32 slots, gk_u32 ke
 {
     if (amount == 0)
         return;
-    const struct gk_matte_search s = gk_matte_find(table, slots, key);
-    if (s.found != GK_MATTE_NOWHERE)
-        gk_matte_lose(lost, key, gk_matte_add(&table[s.found], key, direct, amount));
+    const gk_u32 at = gk_matte_place(table, slots, key);
+    if (at != GK_MATTE_NOWHERE)
+        gk_matte_lose(lost, key, gk_matte_add(&table[at], key, direct, amount));
     else
         gk_matte_crowd(table, slots, key, direct, amount, policy, random, lost);
 }
