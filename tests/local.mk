@@ -205,7 +205,8 @@ tests_bench_precision_SOURCES = tests/bench/precision.c tests/kernel/matte_doubl
 tests_bench_effects_LDADD = libglintcli.a $(LDADD)
 tests_bench_effects_SOURCES = tests/bench/effects.c tests/bench/bench.c tests/bench/bench.h \
 	tests/bench/waves.c tests/bench/waves.h $(effect_worlds)
-EXTRA_PROGRAMS += tests/bench/stages
+EXTRA_PROGRAMS += tests/bench/packing tests/bench/stages
+tests_bench_packing_SOURCES = tests/bench/packing.c tests/bench/bench.c tests/bench/bench.h
 bench_waves = tests/bench/bench.c tests/bench/bench.h tests/bench/waves.c tests/bench/waves.h \
 	$(offline)
 tests_bench_embree_share_LDADD = libglintcli.a $(LDADD)
