@@ -99,9 +99,9 @@ GK_INLINE void gk_matte_deposit_tile(GK_GLOBAL gk_u64 *tables, gk_u32 pixel, gk_
     GK_GLOBAL gk_u64 *table = tables + pixel * words;
     if (amount == 0)
         return;
-    const struct gk_matte_search s = gk_matte_find(table, slots, key);
-    if (s.found != GK_MATTE_NOWHERE) {
-        gk_matte_lose(lost, key, gk_matte_add(&table[s.found], key, direct, amount));
+    const gk_u32 at = gk_matte_place(table, slots, key);
+    if (at != GK_MATTE_NOWHERE) {
+        gk_matte_lose(lost, key, gk_matte_add(&table[at], key, direct, amount));
         return;
     }
     if (policy == GK_MATTE_SPILL)
