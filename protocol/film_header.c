@@ -36,6 +36,7 @@ static const struct glint_field moment_fields[] = {
     GLINT_FIELD_KNOWN("linear"),
     GLINT_FIELD_KNOWN("tone_mapped"),
     GLINT_FIELD_KNOWN("tail"),
+    GLINT_FIELD_KNOWN("lift"),
     GLINT_FIELD_KNOWN("biases"),
     GLINT_FIELD_KNOWN("shares"),
     GLINT_FIELD_KNOWN("camera_rays"),
@@ -125,6 +126,7 @@ static void write_estimate(struct glint_text *t, const struct glint_estimate *e)
     write_double(t, "linear", e->linear);
     write_double(t, "tone_mapped", e->tone_mapped);
     write_double(t, "tail", e->tail);
+    write_double(t, "lift", e->lift);
 }
 
 static void write_tree(struct glint_text *t, const char *key, const cJSON *tree)
@@ -251,6 +253,7 @@ static void read_estimate(const struct glint_json *moment, struct glint_estimate
     read_known(moment, "linear", &e->linear);
     read_known(moment, "tone_mapped", &e->tone_mapped);
     read_known(moment, "tail", &e->tail);
+    read_known(moment, "lift", &e->lift);
 }
 
 static void read_curve(const struct glint_json *moment, struct glint_film_moment *m)

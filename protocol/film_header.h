@@ -21,13 +21,15 @@ struct glint_convergence_point {
     uint64_t rays;
 };
 
-// A job's own estimate of its error; NAN where not known. v: variance of a pixel's mean m.
+// A job's own estimate of its error; NAN where not known. v: variance of a pixel's mean, m: what that
+// mean is taken for.
 struct glint_estimate {
     double error;       // sqrt(mean of v / (m^2 + 0.01)) over pixels and r, g, b
     double spread;      // as above
     double linear;      // sqrt(mean of v), likewise
     double tone_mapped; // after T(c) = c / (1 + max(r, g, b)): sqrt(mean over pixels of the sum)
     double tail;        // Hill's index of the worst hundredth of pixel variances
+    double lift;        // `error` over what it is where m is the pixel's own mean alone, >= 1
 };
 
 // A film at one moment. Its tiles have the samples [first, sample) of the job, and [first, sample +

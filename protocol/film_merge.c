@@ -133,7 +133,7 @@ static void describe(glint_film_sum *s, const struct glint_film_part *part, size
     *m = (struct glint_film_moment){.complete = true,
                                     .sample = s->end,
                                     .target = s->end,
-                                    .estimate = {NAN, NAN, NAN, NAN, NAN}};
+                                    .estimate = {NAN, NAN, NAN, NAN, NAN, NAN}};
     m->biases = first->moment.biases;
     for (size_t i = 0; i < count; i++)
         add_moment(m, &glint_film_file_header(part[i].file)->moment);

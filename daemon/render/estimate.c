@@ -5,9 +5,12 @@
 #include <math.h>
 #include <string.h>
 
-#define DARK 0.01      // added to squares of means
-#define RARE 2.5       // Hill's index below which events are rare
-#define TAIL 0.01      // of the pixels
+#define DARK 0.01 // added to squares of means
+#define RARE 2.5  // Hill's index below which events are rare
+#define TAIL 0.01 // of the pixels
+#define LIFTED 1.04
+#define TRUST \
+    0.375 // between 1/2, which misses more of rare events, and 1/4, which sees them at edges
 #define LOOKS_OFF 0.05 // of jobs that may stop too early
 
 // ---- a tile
@@ -63,6 +66,43 @@ static void load(struct pixel *p, const struct glint_estimate_source *in, uint32
         p->v[c] = variance_of_batches(in, c, i, p->m[c]);
 }
 
+// ---- what a mean is taken for
+
+struct means {
+    uint32_t w, h;
+    double sum[3][GK_TILE_SIDE + 2][GK_TILE_SIDE + 2]; // means of pixels, with an edge of zeros
+};
+
+static void load_means(struct means *out, const struct glint_estimate_source *in, uint32_t w,
+                       uint32_t h)
+{
+    struct pixel p;
+    memset(out, 0, sizeof *out);
+    out->w = w;
+    out->h = h;
+    for (uint32_t i = 0; i < w * h; i++) {
+        load_halves(&p, in, i / w * GK_TILE_SIDE + i % w);
+        for (uint32_t c = 0; c < 3; c++)
+            out->sum[c][i / w + 1][i % w + 1] = p.m[c];
+    }
+}
+
+// Of the neighbours that the tile has.
+static double around(const struct means *m, uint32_t c, uint32_t x, uint32_t y)
+{
+    const uint32_t columns = 1 + (x > 0) + (x + 1 < m->w), rows = 1 + (y > 0) + (y + 1 < m->h);
+    double sum = -m->sum[c][y + 1][x + 1];
+    for (uint32_t i = 0; i < 9; i++)
+        sum += m->sum[c][y + i / 3][x + i % 3];
+    return columns * rows > 1 ? sum / (columns * rows - 1) : m->sum[c][y + 1][x + 1];
+}
+
+static double taken_for(double mean, double variance, double neighbours)
+{
+    const double share = mean > 0.0 ? fmin(variance / (mean * mean), 1.0) : 0.0;
+    return mean - pow(share, TRUST) * fmax(mean - neighbours, 0.0);
+}
+
 static void count_tail(struct glint_tile_estimate *out, double v)
 {
     const double bin = floor(GLINT_TAIL_STEPS * log2(v)) + GLINT_TAIL_BINS / 2;
@@ -70,13 +110,15 @@ static void count_tail(struct glint_tile_estimate *out, double v)
     out->tail[at] += out->tail[at] < UINT8_MAX;
 }
 
-// Adds a pixel; its relative variance.
-static double add_pixel(struct glint_tile_estimate *out, const struct pixel *p, double weight)
+// Adds a pixel whose neighbours have those means; its relative variance.
+static double add_pixel(struct glint_tile_estimate *out, const struct pixel *p,
+                        const double neighbours[3], double weight)
 {
     const double ta = 1.0 / (1.0 + largest(p->a)), tb = 1.0 / (1.0 + largest(p->b));
     double relative = 0.0, linear = 0.0;
     for (int c = 0; c < 3; c++) {
-        relative += p->v[c] / (square(p->m[c]) + DARK);
+        relative += p->v[c] / (square(taken_for(p->m[c], p->v[c], neighbours[c])) + DARK);
+        out->own += p->v[c] / (square(p->m[c]) + DARK);
         linear += p->v[c];
         out->tone += weight * square(p->a[c] * ta - p->b[c] * tb);
     }
@@ -91,12 +133,16 @@ void glint_estimate_tile(struct glint_tile_estimate *out, const struct glint_est
                          uint32_t w, uint32_t h)
 {
     struct pixel p;
+    struct means means;
     memset(out, 0, sizeof *out);
+    load_means(&means, in, w, h);
     for (uint32_t y = 0; y < h; y++) {
         double left = 0.0;
         for (uint32_t x = 0; x < w; x++) {
             load(&p, in, y * GK_TILE_SIDE + x);
-            const double v = add_pixel(out, &p, weight_of(in));
+            const double neighbours[3] = {around(&means, 0, x, y), around(&means, 1, x, y),
+                                          around(&means, 2, x, y)};
+            const double v = add_pixel(out, &p, neighbours, weight_of(in));
             if (x % 2)
                 out->spread += square(v - left);
             else if (x + 1 == w)
@@ -140,7 +186,7 @@ void glint_estimate_film(struct glint_film_estimate *out, const struct glint_til
                          uint32_t columns, uint32_t rows, uint64_t pixels)
 {
     uint64_t tail[GLINT_TAIL_BINS] = {0};
-    double relative = 0.0, spread = 0.0, linear = 0.0, tone = 0.0;
+    double relative = 0.0, own = 0.0, spread = 0.0, linear = 0.0, tone = 0.0;
     memset(out, 0, sizeof *out);
     for (uint32_t t = 0; t < columns * rows; t++) {
         const uint32_t cell = cell_of(t, columns, rows);
@@ -148,6 +194,7 @@ void glint_estimate_film(struct glint_film_estimate *out, const struct glint_til
         out->relative[cell] += tile[t].relative;
         out->spread[cell] += tile[t].spread;
         relative += tile[t].relative;
+        own += tile[t].own;
         spread += tile[t].spread;
         linear += tile[t].linear;
         tone += tile[t].tone;
@@ -158,7 +205,8 @@ void glint_estimate_film(struct glint_film_estimate *out, const struct glint_til
                                          .spread = relative > 0.0 ? sqrt(spread) / relative : 0.0,
                                          .linear = sqrt(linear / (3.0 * (double)pixels)),
                                          .tone_mapped = sqrt(tone / (double)pixels),
-                                         .tail = tail_index(tail)};
+                                         .tail = tail_index(tail),
+                                         .lift = own > 0.0 ? sqrt(relative / own) : 1.0};
 }
 
 // ---- what it means
@@ -196,7 +244,7 @@ double glint_estimate_upper(const struct glint_estimate *e, uint32_t look)
 
 bool glint_estimate_rare(const struct glint_estimate *e)
 {
-    return e->tail < RARE;
+    return e->tail < RARE || e->lift > LIFTED;
 }
 
 uint32_t glint_estimate_look(uint32_t samples)

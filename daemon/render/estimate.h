@@ -3,7 +3,14 @@
 //
 // Source: ACCURACY 5. With n = nA + nB samples, v = (A - B)^2 nA nB / n^2 is an unbiased estimate
 // of the variance of a pixel's mean: (A - B)^2 / 4 for halves of one size. So is, of K batches,
-// v = sum of n_k (m_k - m)^2 / ((K - 1) n), once each has a sample. How far the sum of v may
+// v = sum of n_k (m_k - m)^2 / ((K - 1) n), once each has a sample.
+//
+// Relative errors are v / (m^2 + 0.01). With a pixel's own mean for m a rare bright sample would hide
+// itself, for it lifts both. So m goes from that towards the mean of the pixel's neighbours, where
+// those are darker, the more the larger the noise's share of the mean, v / mean^2: all the way where
+// one half has all the light, none as samples grow.
+//
+// How far the sum of v may
 // be off is taken from neighbouring pixels: (v - v')^2 estimates the variance of v + v' where both
 // are alike, whatever the kurtosis of their noise, and more where they are not.
 #ifndef GLINT_RENDER_ESTIMATE_H
@@ -20,7 +27,8 @@
 
 // Sums over the pixels of a film tile; r, g and b count as three.
 struct glint_tile_estimate {
-    double relative;               // of v / (m^2 + 0.01), m the pixel's mean
+    double relative;               // of v / (m^2 + 0.01)
+    double own;                    // the same with m the pixel's own mean
     double spread;                 // variance of that sum
     double linear;                 // of v
     double tone;                   // of v of T(A) and T(B), T(c) = c / (1 + max(r, g, b))
@@ -59,8 +67,9 @@ void glint_estimate_interval(const struct glint_estimate *e, double interval[2])
 // many looks, the error lies above one of them. Source: alpha spent as 1/(k (k + 1)).
 double glint_estimate_upper(const struct glint_estimate *e, uint32_t look);
 
-// Whether few pixels have so much of the variance that an estimate misses what is still to come:
-// Hill's index of the worst hundredth is below 2.5.
+// Whether an estimate misses what is still to come. Few pixels have much of the variance: Hill's
+// index of the worst hundredth is below 2.5; or their means are theirs by a few samples: neighbours
+// lift the error by more than 4 %.
 bool glint_estimate_rare(const struct glint_estimate *e);
 
 // Sample counts at which a job that stops by error looks at itself: 16, 32, then in steps of about

@@ -105,16 +105,16 @@ struct glint_render_state {
     uint64_t camera_rays, bounce_rays, shadow_rays;
     uint64_t count[GLINT_COUNTS];
 };
-#define GLINT_NOTHING_RENDERED                               \
-    (struct glint_render_state)                              \
-    {                                                        \
-        .estimate = {NAN, NAN, NAN, NAN, NAN}, .forecast = { \
-            NAN,                                             \
-            {NAN, NAN, NAN},                                 \
-            {NAN, NAN, NAN},                                 \
-            true,                                            \
-            false                                            \
-        }                                                    \
+#define GLINT_NOTHING_RENDERED                                    \
+    (struct glint_render_state)                                   \
+    {                                                             \
+        .estimate = {NAN, NAN, NAN, NAN, NAN, NAN}, .forecast = { \
+            NAN,                                                  \
+            {NAN, NAN, NAN},                                      \
+            {NAN, NAN, NAN},                                      \
+            true,                                                 \
+            false                                                 \
+        }                                                         \
     }
 void glint_render_state(const glint_render *render, struct glint_render_state *out);
 

@@ -525,7 +525,7 @@ void glint_render_state(const glint_render *r, struct glint_render_state *out)
         .samples = r->sample,
         .target_samples = r->job.stop.samples,
         .progress = ((double)r->sample * r->job.width + r->back) / all,
-        .estimate = {r->sample < 2 ? NAN : 1 / sqrt(r->sample), NAN, NAN, NAN, NAN},
+        .estimate = {r->sample < 2 ? NAN : 1 / sqrt(r->sample), NAN, NAN, NAN, NAN, NAN},
         .forecast = GLINT_NO_FORECAST,
         .camera_rays = (uint64_t)r->sample * 100,
         .bounce_rays = 7,

@@ -195,6 +195,39 @@ static void estimate_is_the_square_of_half_the_difference(void **state)
     glint_film_destroy(&film);
 }
 
+// A tile whose halves are both 1, but for one pixel.
+static void estimate_one(struct glint_film_estimate *out, float a, float b)
+{
+    static float planes[GK_PLANES_BASE * GK_TILE_PIXELS];
+    const struct glint_estimate_source source = {.planes = planes, .samples = 2};
+    struct glint_tile_estimate e;
+    for (uint32_t plane = 0; plane < 6; plane++)
+        for (uint32_t i = 0; i < GK_TILE_PIXELS; i++) {
+            const bool one = i == 5 * GK_TILE_SIDE + 5;
+            planes[plane * GK_SUM_PLANES * GK_TILE_PIXELS + i] = !one ? 1.0f : plane < 3 ? a : b;
+        }
+    glint_estimate_tile(&e, &source, 16, 16);
+    glint_estimate_film(out, &e, 1, 1, GK_TILE_PIXELS);
+}
+
+// A sample of 100 in a pixel of 0 by a hundred pixels of 1: over its own mean its error is 1, over
+// theirs 50. What is as bright in both halves is believed.
+static void a_rare_sample_does_not_hide_in_its_own_mean(void **state)
+{
+    (void)state;
+    struct glint_film_estimate e;
+    estimate_one(&e, 100.0f, 0.0f);
+    assert_float_equal(e.whole.error, sqrt(2500.0 / 1.01 / GK_TILE_PIXELS), 1e-3);
+    assert_float_equal(e.whole.lift, sqrt(2500.01 / 1.01), 1e-2);
+    e.whole.tail = 9.0;
+    assert_true(glint_estimate_rare(&e.whole));
+    estimate_one(&e, 101.0f, 99.0f);
+    e.whole.tail = 9.0;
+    assert_true(e.whole.lift > 1.0 && e.whole.lift < 1.04 && !glint_estimate_rare(&e.whole));
+    estimate_one(&e, 0.5f, 0.0f); // neighbours only darken
+    assert_float_equal(e.whole.lift, 1.0, 1e-12);
+}
+
 static void looks_come_in_whole_passes_and_ever_rarer(void **state)
 {
     (void)state;
@@ -237,6 +270,7 @@ int main(void)
         cmocka_unit_test(readers_never_see_a_tile_half_written),
         cmocka_unit_test(halves_share_samples_evenly),
         cmocka_unit_test(estimate_is_the_square_of_half_the_difference),
+        cmocka_unit_test(a_rare_sample_does_not_hide_in_its_own_mean),
         cmocka_unit_test(looks_come_in_whole_passes_and_ever_rarer),
     };
     return cmocka_run_group_tests(tests, start, finish);
