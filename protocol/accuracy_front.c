@@ -164,6 +164,18 @@ static bool keeps(const struct glint_front_point *p, const struct glint_front_wi
     return !(wish->pinned & GLINT_CHOICE_BOUNCES) || p->max_bounces == wish->at->max_bounces;
 }
 
+const struct glint_front_point *glint_front_find(const struct glint_front *front,
+                                                 const struct glint_front_point *settings)
+{
+    struct glint_front_wish all = {.pinned = GLINT_CHOICE_BOUNCES, .at = settings};
+    for (int d = 0; d < GLINT_DIAL_COUNT; d++)
+        all.pinned |= !strcmp(glint_dial_table[d].parent, "accuracy") ? 1u << d : 0;
+    for (size_t i = 0; i < front->points; i++)
+        if (keeps(&front->point[i], &all))
+            return &front->point[i];
+    return NULL;
+}
+
 // Samples after which the noise of nearly every image is below `room`, a squared error: the root in
 // 1/sqrt(n) of variance x^2 (1 + 2 spread x) = room, by Newton from above, where it is convex.
 static double samples_for(const struct glint_front_point *p, double spread, double room)

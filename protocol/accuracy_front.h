@@ -47,6 +47,10 @@ struct glint_front {
 glint_status glint_front_parse(struct glint_front **out, const char *text, size_t length,
                                struct glint_error *err);
 
+// The point that has those settings; NULL: none.
+const struct glint_front_point *glint_front_find(const struct glint_front *front,
+                                                 const struct glint_front_point *settings);
+
 // The samples that a budget asks for, and what comes of them. None suits: false.
 struct glint_front_choice {
     size_t point;

@@ -20,6 +20,13 @@ uint32_t glint_biases_asked(const struct glint_job *job)
     return asked;
 }
 
+uint32_t glint_biases_of_picture(uint32_t biases)
+{
+    for (int d = 0; d < GLINT_DIAL_COUNT; d++)
+        biases &= is_of_mattes(d) ? ~(1u << d) : ~0u;
+    return biases;
+}
+
 static const char *name_of(int bit, char text[64])
 {
     if (bit == GLINT_DIAL_COUNT)

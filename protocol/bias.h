@@ -19,6 +19,9 @@ uint32_t glint_biases_asked(const struct glint_job *job);
 // [{"name": "accuracy.traversal", "setting": "fast", "of": "picture" or "mattes", "detail": ...}]
 cJSON *glint_biases_describe(uint32_t biases, const struct glint_job *job);
 
+// Those of the set that change the picture, not the mattes alone.
+uint32_t glint_biases_of_picture(uint32_t biases);
+
 // The names alone, and back: unknown ones are left out; NULL is none.
 cJSON *glint_biases_names(uint32_t biases);
 uint32_t glint_biases_named(const cJSON *names);

@@ -93,6 +93,8 @@ struct glint_job {
     uint32_t sample_range[2];
     struct glint_job_stop stop; // absent: GLINT_DEFAULT_SAMPLES
     int32_t priority;           // -100..100
+    double known_bias; // no member: an error, relative, that no sample takes away, where a front of
+                       // the scene knows that of these settings; 0: not known, or none
 };
 
 // Reads the JSON of a job. Unknown keys, and settings of methods that do not exist, are faults.

@@ -46,10 +46,19 @@ static void print_biases(const cJSON *biases)
         putchar('\n');
 }
 
+static void print_known(const cJSON *e)
+{
+    const double known = number(e, "known_bias"), error = number(e, "error");
+    if (!isnan(known))
+        printf("known bias: %.4g, with the error %.4g\n", known, hypot(known, error));
+}
+
 static void print_forecast(const cJSON *f)
 {
     char text[24];
     const double samples = number(f, "samples"), seconds = number(f, "seconds");
+    if (isnan(samples) && cJSON_IsFalse(member(f, "reachable")))
+        printf("forecast: %.4g is unreachable with these settings\n", number(f, "error"));
     if (isnan(samples))
         return;
     printf("forecast: %.4g at %.0f samples", number(f, "error"), samples);
@@ -66,6 +75,7 @@ void glint_outlook_print(const cJSON *estimate)
 {
     print_error(estimate);
     print_biases(member(estimate, "biases"));
+    print_known(estimate);
     print_forecast(member(estimate, "forecast"));
 }
 

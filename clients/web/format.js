@@ -41,8 +41,16 @@ export const signed = (v) => (v < 0 ? "−" : "+") + Math.abs(v).toFixed(2);
 
 // Of a job's estimate; null where nothing is foretold.
 export function forecast(f) {
+    if (f && !f.reachable && !f.samples) return `${number(f.error)} is unreachable with these settings`;
     if (!f?.samples) return null;
     const range = f.lower_bound ? " or more" : ` (${count(f.interval[0])} to ${count(f.interval[1])})`;
     return `${number(f.error)} at ${count(f.samples)} samples${range}` +
         (f.reachable ? "" : ", unreachable with these settings");
+}
+
+// Settings that the daemon picked for a job, from what was measured, and what it expects of them.
+export function choice({ settings, row, expected_error: error, expected_samples: samples, expected_seconds: time }) {
+    const dials = Object.entries(settings.accuracy).map(([name, setting]) => `${name} ${setting}`);
+    return `${row || "settings"}: ${dials.join(", ")}, ${settings.max_bounces} bounces; ` +
+        `expected ${number(error)} at ${count(samples)} samples in ${seconds(time)}`;
 }

@@ -1,7 +1,7 @@
 // One job: its figures, and what can be done with it.
 import { jobPath, patchJson, request } from "./api.js";
 import { h, put, say } from "./dom.js";
-import { bytes, count, forecast, number, seconds, short } from "./format.js";
+import { bytes, choice, count, forecast, number, seconds, short } from "./format.js";
 import { ended, jobTitle } from "./jobs.js";
 import { describeProblem, showProblem } from "./problems.js";
 
@@ -19,6 +19,9 @@ const ROWS = [
     ["Rare events", (j) => (j.estimate?.rare_events ? "dominate the noise: the error may be larger" : null)],
     ["Forecast", (j) => forecast(j.estimate?.forecast)],
     ["Not in the error", (j) => j.estimate?.biases.map((b) => `${b.name} ${b.setting}`).join(", ") || null],
+    ["Known bias", (j) => (j.estimate?.known_bias
+        ? `${number(j.estimate.known_bias)}, with the error ${number(Math.hypot(j.estimate.known_bias, j.error))}` : null)],
+    ["Chosen", (j) => j.chosen && choice(j.chosen)],
     ["Time", (j) => seconds(j.seconds) + (j.eta_seconds && !j.job?.live && !ended(j.state) ? `, ${seconds(j.eta_seconds)} left` : "")],
     ["Worker time", (j) => seconds(j.worker_seconds)],
     ["Rays", (j) => (j.rays ? short(j.rays.camera + j.rays.bounce + j.rays.shadow) : "–")],

@@ -1,5 +1,7 @@
 #include "jobs/choose.h"
 
+#include "protocol/bias.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -68,6 +70,7 @@ static void apply(struct glint_job *job, const struct glint_front_point *p, doub
         if (!strcmp(glint_dial_table[d].parent, "accuracy"))
             job->dial[d] = p->dial[d];
     job->max_bounces = p->max_bounces;
+    job->known_bias = glint_biases_of_picture(glint_biases_asked(job)) ? p->bias : 0.0;
     if (job->budget.seconds > 0)
         job->stop.seconds = job->stop.seconds > 0 ? fmin(job->stop.seconds, job->budget.seconds)
                                                   : job->budget.seconds;
@@ -151,17 +154,27 @@ static glint_status pick(cJSON **chosen, const struct source *s, const glint_rev
     return *chosen ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a job");
 }
 
+// What the settings that the job gives itself are off, where its scene's own front says so.
+static void know(const struct source *s, struct glint_job *job)
+{
+    const struct glint_front_point given = settings_of(job);
+    const struct glint_front_point *p = s->own ? glint_front_find(s->front, &given) : NULL;
+    if (p && glint_biases_of_picture(glint_biases_asked(job)))
+        job->known_bias = p->bias;
+}
+
 glint_status glint_choose(cJSON **chosen, glint_prices *prices, const glint_revision *revision,
                           uint32_t workers, struct glint_job *job, struct glint_error *err)
 {
     struct source s;
     *chosen = NULL;
-    if (job->budget.seconds <= 0 && job->budget.error <= 0)
-        return GLINT_OK;
     glint_status st = open_source(&s, prices, job->scene, revision, err);
     if (st)
         return st;
-    st = pick(chosen, &s, revision, workers, job, err);
+    if (job->budget.seconds > 0 || job->budget.error > 0)
+        st = pick(chosen, &s, revision, workers, job, err);
+    else
+        know(&s, job);
     close_source(&s);
     return st;
 }

@@ -10,6 +10,8 @@
 
 // Sets dials, bounces and stop of a job with a budget; what the job says itself stays. *chosen tells
 // what was picked from what, and what is expected of it; NULL: the job has no budget.
+// Sets the job's known bias: of what was picked; of a job without a budget, where its settings change
+// the picture and a front of its scene has a point with them.
 //   GLINT_E_RANGE  no settings measured reach what is asked; says what can be reached
 glint_status glint_choose(cJSON **chosen, glint_prices *prices, const glint_revision *revision,
                           uint32_t workers, struct glint_job *job, struct glint_error *err);

@@ -86,6 +86,8 @@ static char *write_changes(const struct glint_entry *e)
     if (e->state == GLINT_JOB_FAILED)
         cJSON_AddItemToObject(o, "problem", write_problem(&e->problem));
     cJSON_AddNumberToObject(o, "cpu_seconds", e->cpu_seconds);
+    if (e->job->known_bias > 0)
+        cJSON_AddNumberToObject(o, "known_bias", e->job->known_bias);
     if (e->chosen)
         cJSON_AddItemToObject(o, "chosen", cJSON_Duplicate(e->chosen, true));
     if (e->asked)

@@ -44,7 +44,9 @@ cJSON *glint_outlook_describe(const struct glint_render_state *s, const struct g
     cJSON_AddItemToObject(o, "linear", number(e->linear));
     cJSON_AddItemToObject(o, "tone_mapped", number(e->tone_mapped));
     cJSON_AddItemToObject(o, "tail_index", number(e->tail));
+    cJSON_AddItemToObject(o, "lift", number(e->lift));
     cJSON_AddBoolToObject(o, "rare_events", glint_estimate_rare(e));
+    cJSON_AddItemToObject(o, "known_bias", number(job->known_bias > 0 ? job->known_bias : NAN));
     cJSON_AddItemToObject(o, "biases", glint_biases_describe(s->biases, job));
     cJSON_AddItemToObject(o, "forecast",
                           ended || isnan(s->forecast.target)
@@ -64,6 +66,7 @@ static const struct {
     {"linear", offsetof(struct glint_estimate, linear)},
     {"tone_mapped", offsetof(struct glint_estimate, tone_mapped)},
     {"tail", offsetof(struct glint_estimate, tail)},
+    {"lift", offsetof(struct glint_estimate, lift)},
 };
 
 void glint_outlook_write(cJSON *object, const struct glint_render_state *s)

@@ -54,6 +54,7 @@ static void recall_changes(struct glint_entry *e, const char *text)
     e->stop.samples = (uint32_t)number(stop, "samples", 1, GLINT_MAX_SAMPLES, e->stop.samples);
     e->stop.seconds = number(stop, "seconds", 0, 1e9, e->stop.seconds);
     e->stop.error = number(stop, "error", 0, 1e9, e->stop.error);
+    e->job->known_bias = number(o, "known_bias", 0, 1e9, 0);
     e->cpu_seconds = number(o, "cpu_seconds", 0, 1e12, 0);
     const char *asked = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(o, "asked"));
     e->asked = asked ? strdup(asked) : NULL;

@@ -7,17 +7,21 @@
 
 #define FEWEST_POINTS 5
 #define FEWEST_SAMPLES 16
-#define USUAL_POWER 1.10
-#define USUAL_SPREAD 0.015 // of the power among scenes
-#define FUTURE_SPREAD 0.05 // and within one as samples grow
-#define SLOW_POWER 0.85    // no error falls slower: samples do not see all of it yet
+#define RECENT 4.0       // the slope is that of the checkpoints since a quarter of the samples
+#define USUAL_SLOPE 1.05 // of scenes there
+#define SLOPE_SPREAD 0.1
+#define LAST_POWER 1.05 // of scenes after many samples
+#define LAST_SPREAD 0.08
+#define KEPT 0.7        // of what the power is over the last, an octave later
+#define SLOPE_AGE 1.0   // octaves: from the middle of those checkpoints until now
+#define SLOW_POWER 0.85 // no error falls slower: samples do not see all of it yet
 #define UNKNOWN_SPREAD 0.2
 #define LEAST_SPREAD 0.01
 
-// ---- the line: log(E^2 - b^2) = level - power * log(n / n_now)
+// ---- the slope of the last octaves: log(V / n^g) = level - slope * log(n / n_now)
 
 struct line {
-    double level, power, power_spread;
+    double level, slope, slope_spread;
 };
 
 struct equation {
@@ -29,8 +33,7 @@ static struct equation equation_of(const struct glint_convergence_point *p,
 {
     const double spread = isfinite(p->spread) ? fmax(p->spread, LEAST_SPREAD) : UNKNOWN_SPREAD;
     const double x = -log((double)p->samples / in->samples);
-    const double square = p->error * p->error - in->bias * in->bias;
-    return (struct equation){1.0 / spread, x / spread, log(square) / spread};
+    return (struct equation){1.0 / spread, x / spread, 2.0 * log(p->error) / spread};
 }
 
 // What the checkpoint before does not say already.
@@ -44,13 +47,12 @@ static struct equation news(const struct equation *e, const struct equation *bef
 
 static bool usable(const struct glint_convergence_point *p, const struct glint_forecast_input *in)
 {
-    return p->error > in->bias && p->samples <= in->samples;
+    return p->error > 0.0 && p->samples <= in->samples && p->samples * RECENT >= in->samples;
 }
 
 // Sums of products of the equations.
 struct sums {
     double one_one, one_x, x_x, one_y, x_y;
-    uint32_t points;
 };
 
 static void add(struct sums *s, const struct equation *e)
@@ -60,7 +62,6 @@ static void add(struct sums *s, const struct equation *e)
     s->x_x += e->x * e->x;
     s->one_y += e->one * e->y;
     s->x_y += e->x * e->y;
-    s->points++;
 }
 
 static struct sums gather(const struct glint_forecast_input *in)
@@ -86,18 +87,30 @@ static struct sums gather(const struct glint_forecast_input *in)
 
 static bool fit(struct line *out, const struct glint_forecast_input *in)
 {
-    const double now = in->now->whole.error;
-    struct sums s = gather(in);
-    const double weight = 1.0 / (USUAL_SPREAD * USUAL_SPREAD);
-    if (!(now > in->bias) || s.points < FEWEST_POINTS || in->samples < FEWEST_SAMPLES)
+    const double now = in->now->whole.error, weight = 1.0 / (SLOPE_SPREAD * SLOPE_SPREAD);
+    if (!(now > 0.0) || in->points < FEWEST_POINTS || in->samples < FEWEST_SAMPLES)
         return false;
+    struct sums s = gather(in);
     s.x_x += weight;
-    s.x_y += weight * USUAL_POWER;
+    s.x_y += weight * USUAL_SLOPE;
     const double rest = s.x_x - s.one_x * s.one_x / s.one_one;
-    out->power = fmin(fmax((s.x_y - s.one_x * s.one_y / s.one_one) / rest, 1.0), 2.0);
-    out->level = log(now * now - in->bias * in->bias); // early points only say how steep it is
-    out->power_spread = sqrt(1.0 / rest + FUTURE_SPREAD * FUTURE_SPREAD);
+    out->slope = (s.x_y - s.one_x * s.one_y / s.one_one) / rest;
+    out->level = 2.0 * log(now); // earlier points only say how steep it is
+    out->slope_spread = sqrt(1.0 / rest);
     return true;
+}
+
+// Octaves until the logarithm of E^2 has fallen by `fall`: by Newton, from where the last power would
+// be there. The power is last + over KEPT^x after x octaves.
+static double octaves_for(double fall, double last, double over)
+{
+    const double ln2 = log(2.0), rate = -log(KEPT);
+    double x = fall / (ln2 * last);
+    for (int i = 0; i < 20 && x > 0.0; i++) {
+        const double kept = exp(-rate * x);
+        x -= (last * x + over * (1.0 - kept) / rate - fall / ln2) / (last + over * kept);
+    }
+    return x > 0.0 ? x : fmin(fall / (ln2 * (last + over)), 0.0);
 }
 
 // ---- draws
@@ -138,10 +151,12 @@ static double roll_level(struct dice *d, const struct glint_film_estimate *e)
 // Both the estimate now and the true error then are those of pictures that chance made.
 static double draw(struct dice *d, const struct line *l, const struct glint_forecast_input *in)
 {
-    const double power = fmin(fmax(l->power + l->power_spread * roll_normal(d), 1.0), 2.0);
+    const double last = fmax(LAST_POWER + LAST_SPREAD * roll_normal(d), 0.8);
+    const double slope = fmin(fmax(l->slope + l->slope_spread * roll_normal(d), last), 2.0);
+    const double over = (slope - last) * pow(KEPT, SLOPE_AGE);
     const double level = l->level + roll_level(d, in->now) + roll_level(d, in->now);
     const double wanted = log(in->target * in->target - in->bias * in->bias);
-    return in->samples * exp((level - wanted) / power);
+    return in->samples * exp2(octaves_for(level - wanted, last, over));
 }
 
 static int ascending(const void *a, const void *b)
@@ -195,7 +210,7 @@ static bool falls_slowly(const struct glint_forecast_input *in)
     for (uint32_t i = in->points; i-- > 0;) {
         const struct glint_convergence_point *p = &in->curve[i];
         const double octaves = log2((double)in->samples / p->samples);
-        if (p->error > in->bias && octaves >= 2.0)
+        if (p->error > 0.0 && octaves >= 2.0)
             return 2.0 * log2(p->error / now) < SLOW_POWER * octaves;
     }
     return false;

@@ -1,11 +1,12 @@
 // forecast.h - how many samples a job will need for the error that it is to reach.
 //
-// Source: ACCURACY 6. Model: E^2(n) = b^2 + V / n^g, fitted to the logarithms of E^2 - b^2 at the
-// checkpoints by least squares, each weighted by its own spread. Checkpoints share samples: the
-// correlation of two is the ratio of their sample counts, which the fit takes out. g is 1 for
-// independent samples and more where scrambled nets do better; the fit is held close to what they
-// reach in common scenes from some ten samples on, for what they gain early does not last, and kept
-// in [1, 2].
+// Source: ACCURACY 6. Model: E^2(n) = b^2 + V / n^g, where V / n^g is what the job sees of its error,
+// and b what was measured of it elsewhere. g is 1 for independent samples and more where scrambled
+// nets do better, which they do less and less: its slope over the last two octaves is fitted to the
+// logarithms of the checkpoints by least squares, each weighted by its own spread and held close to
+// what common scenes have there; from now on it goes, octave by octave, to what they have after many
+// samples. Checkpoints share samples: the correlation of two is the ratio of their sample counts,
+// which the fit takes out.
 //
 // The interval is that of a bootstrap over parts of the picture. Departure from ACCURACY: parts are
 // not drawn again but moved by their own spread (Wu 1986), for a picture's own unevenness is no
@@ -27,15 +28,15 @@ struct glint_forecast_input {
     uint32_t samples;   // `now` is of these
     const double *pace; // worker seconds for a sample, of each of the last passes
     uint32_t paces;
-    double target; // error wanted
-    double bias;   // b, an error that no sample takes away
+    double target; // error wanted, bias included
+    double bias;   // b, an error that no sample takes away and that the curve does not show
     double limit;  // samples that the job takes at most
 };
 
 // Samples at which the error is reached, and worker seconds from now on: the middle, and the ends
 // of the interval that holds in 9 of 10 cases. NAN: not known.
 struct glint_forecast {
-    double target; // error wanted, NAN: none
+    double target; // error wanted, bias included, NAN: none
     double samples[3], seconds[3];
     bool reachable;   // with these settings
     bool lower_bound; // rare events, or an error that falls too slowly: it takes at least that

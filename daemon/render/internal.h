@@ -155,6 +155,10 @@ void glint_render_measure(glint_render *r, uint32_t tile, uint32_t samples);
 void glint_render_measure_pass(glint_render *r, uint32_t end);
 // Forgets all that was measured.
 void glint_render_measure_nothing(glint_render *r);
+// The error of its own at which the job ends, 0: none. A bias known of its settings has its part of
+// what was asked; where it has all of that, more samples are of no use once the rest is as small.
+double glint_render_noise_wanted(const glint_render *r);
+
 // Under the mutex, where what was measured or asked for has changed: sets the forecast.
 void glint_render_foresee(glint_render *r);
 

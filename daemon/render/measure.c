@@ -69,11 +69,24 @@ void glint_render_measure_pass(glint_render *r, uint32_t end)
 
 void glint_render_measure_nothing(glint_render *r)
 {
-    r->estimate = (struct glint_film_estimate){.whole = {NAN, NAN, NAN, NAN, NAN}};
+    r->estimate = (struct glint_film_estimate){.whole = {NAN, NAN, NAN, NAN, NAN, NAN}};
     r->forecast = GLINT_NO_FORECAST;
     r->measured = r->job.adaptive && r->share ? GLINT_PILOT_SAMPLES : 0;
     r->points = r->paces = r->estimated = 0;
     r->pass_seconds = r->worker_seconds;
+}
+
+// What was chosen by price asks for less than it was asked itself: its noise has the rest.
+static double total_wanted(const glint_render *r)
+{
+    return r->job.budget.error > 0.0 ? hypot(r->job.stop.error, r->job.known_bias)
+                                     : r->job.stop.error;
+}
+
+double glint_render_noise_wanted(const glint_render *r)
+{
+    const double total = total_wanted(r), bias = r->job.known_bias;
+    return total > bias ? sqrt(total * total - bias * bias) : total;
 }
 
 void glint_render_foresee(glint_render *r)
@@ -85,7 +98,8 @@ void glint_render_foresee(glint_render *r)
         .samples = r->estimated,
         .pace = r->pace,
         .paces = r->paces < GLINT_FORECAST_PACES ? r->paces : GLINT_FORECAST_PACES,
-        .target = r->job.stop.error,
+        .target = total_wanted(r),
+        .bias = r->job.known_bias,
         .limit = r->job.stop.samples};
     r->forecast = GLINT_NO_FORECAST;
     if (r->job.stop.error > 0.0)

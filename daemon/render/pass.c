@@ -239,7 +239,7 @@ uint64_t glint_render_pixels(const struct glint_render *r)
 
 bool glint_pass_stops(struct glint_render *r, uint32_t end)
 {
-    const double wanted = r->job.stop.error;
+    const double wanted = glint_render_noise_wanted(r);
     const uint32_t samples = end - glint_render_first(r), look = glint_estimate_look(samples);
     if (wanted > 0.0 && look && samples >= r->job.stop.least &&
         glint_estimate_upper(&r->estimate.whole, look) <= wanted) {

@@ -4,6 +4,7 @@ import fcntl
 import json
 import os
 import pty
+import re
 import select
 import signal
 import struct
@@ -88,6 +89,43 @@ def test_a_job_that_is_not_sound_says_so_wherever_it_is_told_of():
         head, *lines = house.glint("jobs").stdout.splitlines()
         told = {line.split()[0]: line.split()[head.split().index("SOUND")] for line in lines}
         assert told == {sound: "yes", job: "no"}, told
+
+
+def said(text):
+    """{beginning of a line: the rest}"""
+    return dict(line.split(": ", 1) for line in text.splitlines() if ": " in line)
+
+
+def test_a_job_tells_its_error_its_forecast_and_what_neither_sees():
+    with House() as house:
+        exact = {"accuracy": {"preset": "reference"}, "max_bounces": 2}
+        point = {"settings": exact, "seconds": 1e-5, "rays": 3, "variance": 1, "bias": 0.04,
+                 "row": ""}
+        house.daemon.ask("PUT", "/v1/scenes/room/front", json.dumps({"points": [point]}),
+                         {"Content-Type": "application/json"})
+        short = house.write("short.json", {**exact, "scene": "room", "resolution": [32, 16],
+                                           "outputs": ["beauty"],
+                                           "stop": {"error": 1e-3, "samples": 1000000}})
+        job = house.glint("submit", "--job", short).stdout.strip()
+        house.daemon.until(job, lambda j: j["samples"] >= 16)
+        told = said(house.glint("jobs", job).stdout)
+        house.glint("cancel", job)
+        low, high = map(float, told["error between"].split(" and "))
+        assert low < float(told["error"]) < high and float(told["tone-mapped"]) > 0
+        assert told["not in the error"] == "max_bounces 2"
+        known, total = map(float, told["known bias"].split(", with the error "))
+        assert known == 0.04 and abs(total ** 2 - known ** 2 - float(told["error"]) ** 2) < 1e-5
+        assert told["forecast"] == "0.001 is unreachable with these settings"
+
+
+def test_a_forecast_has_an_end_or_says_that_it_has_none():
+    with House() as house:
+        job = house.submit("--resolution", "32x16", "--outputs", "beauty", "--error", "0.001")
+        house.daemon.until(job, lambda j: j["samples"] >= 32)
+        told = said(house.glint("jobs", job).stdout)
+        house.glint("cancel", job)
+        assert re.match(r"0\.001 at \d+ samples( or more| \(\d+ to \d+\)), in ", told["forecast"])
+        assert "accuracy.traversal fast" in told["not in the error"] and "known bias" not in told
 
 
 def test_a_submission_starts_no_daemon_of_its_own():

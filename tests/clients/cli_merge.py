@@ -113,6 +113,20 @@ def test_what_does_not_fit_is_refused_with_every_reason_and_no_file():
         assert not os.path.exists(farm / "no.film")
 
 
+def test_films_of_adaptive_jobs_are_refused_by_name():
+    with Farm() as farm:
+        left = farm.film("left.film", 0, region=[0, 0, 41, HEIGHT], stop={"samples": 64})
+        right = farm.film("right.film", 1, region=[41, 0, WIDTH - 41, HEIGHT], adaptive=True,
+                          stop={"samples": 64})
+        for partial in ([], ["--partial"]):
+            run = farm.merge(left, right, *partial, "-o", farm / "no.exr", expect=1)
+            assert "right.film is of an adaptive job" in run.stderr, run.stderr
+            assert "left.film is of" not in run.stderr and not os.path.exists(farm / "no.exr")
+        asked = {"scene": "room", "adaptive": True, "sample_range": [0, 32]}
+        refused = farm.daemons[0].post(asked)  # nor is such a part rendered
+        assert refused.status == 422 and refused.pointers() == ["/adaptive"], refused.body
+
+
 def test_files_that_are_no_films_are_each_named():
     with Farm() as farm:
         film = farm.film("a.film", 0, sample_range=[0, 2])

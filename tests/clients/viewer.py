@@ -2,6 +2,7 @@
 """The viewer in headless Chromium against a real daemon."""
 import json
 import os
+import re
 import subprocess
 import tempfile
 
@@ -341,6 +342,34 @@ def test_the_plan_and_the_curve_show_what_the_daemon_tells():
         assert len(page.all("#panel-curve .dot")) >= len(points) > 1
         assert "64 samples" in page.find("#panel-curve svg").get_attribute("aria-label")
         assert page.all("#panel-curve .target") and page.all("#panel-curve .aim")
+
+
+def facts(page):
+    """{name: text} of the job's figures that are shown."""
+    return page.run("return Object.fromEntries([...document.querySelectorAll('#panel-job dt')]"
+                    ".filter((t) => !t.hidden).map((t) => [t.textContent, t.nextSibling.textContent]))")
+
+
+def test_a_job_shows_its_error_its_forecast_and_what_was_chosen():
+    with Daemon() as daemon, Browser(daemon) as page:
+        daemon.put("room", SCENE)
+        rough = {"settings": {"accuracy": {"gi": "none"}, "max_bounces": 1}, "seconds": 1e-6,
+                 "rays": 3, "variance": 0.5, "bias": 0.1, "row": "rough,1"}
+        assert daemon.ask("PUT", "/v1/scenes/room/front", json.dumps({"points": [rough]}),
+                          {"Content-Type": "application/json"}).status == 201
+        name = shown(daemon, page, accuracy={"error": 0.3}, stop={"samples": 64})
+        page.until(lambda: "Chosen" in facts(page))
+        told, estimate = facts(page), daemon.job(name)["estimate"]
+        assert re.match(r"rough,1: gi none, .*, 1 bounces; expected 0\.\d+ at \d+ samples in ", told["Chosen"])
+        assert re.match(r"[\d.]+ \([\d.]+ to [\d.]+\)$", told["Error"]), told
+        assert ("Rare events" in told) == estimate["rare_events"]
+        assert "accuracy.gi none" in told["Not in the error"]
+        assert told["Known bias"].startswith("0.1000, with the error 0.")
+        name = daemon.submit(**job(accuracy={"gi": "none"}, max_bounces=1, outputs=["beauty"],
+                                   stop={"error": 0.1, "samples": 100000}))
+        page.run("location.hash = arguments[0]; location.reload()", name)
+        page.until(lambda: facts(page).get("Forecast") == "0.1000 is unreachable with these settings")
+        assert "Chosen" not in facts(page)
 
 
 # Without a pointer

@@ -114,6 +114,31 @@ def test_a_budget_and_what_else_a_job_may_say():
         assert adaptive["samples"] >= 16 and adaptive["error"] <= 0.3  # those of the pilot count not
 
 
+SHORT = {"accuracy": {"preset": "reference"}, "max_bounces": 2}
+
+
+def test_a_known_bias_has_its_part_of_the_error_that_a_job_is_to_reach():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        put_front(daemon, {"points": [point(EXACT, 1e-5, 1, 0), point(SHORT, 1e-5, 1, 0.04)]})
+        job = finished(daemon, **SHORT, stop={"error": 0.05, "samples": 4096})
+        assert job["estimate"]["known_bias"] == 0.04
+        assert job["error"] ** 2 + 0.04 ** 2 <= 0.05 ** 2
+        exact = finished(daemon, **EXACT, stop={"error": 0.05, "samples": 4096})
+        assert exact["estimate"]["known_bias"] is None and exact["samples"] < job["samples"]
+
+
+def test_less_than_the_known_bias_is_unreachable_with_these_settings():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        put_front(daemon, {"points": [point(SHORT, 1e-5, 1, 0.04)]})
+        ident = daemon.submit(**SMALL, **SHORT, stop={"error": 1e-5, "samples": 1000000})
+        daemon.until(ident, lambda j: j["estimate"]["forecast"])
+        told = daemon.job(ident)["estimate"]["forecast"]
+        assert told["error"] == 1e-5 and not told["reachable"] and told["samples"] is None
+        daemon.delete(f"/v1/jobs/{ident}")
+
+
 def test_what_a_job_cannot_have_picked_is_a_fault():
     with Daemon() as daemon:
         daemon.put("room", ROOM)
@@ -147,6 +172,7 @@ def test_the_choice_and_its_front_are_there_after_a_kill():
         d.kill()
         d.start()
         assert d.job(job)["chosen"] == before["chosen"]
+        assert d.job(job)["estimate"]["known_bias"] == 0.1
         assert d.job(job)["job"] == before["job"]
         assert d.get("/v1/scenes/room/front").json()["front"]["points"][0]["row"] == "other"
         again = d.post({**SMALL, "accuracy": {"error": 0.3}}, {"Idempotency-Key": "once"})
