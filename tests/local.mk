@@ -138,10 +138,12 @@ STABILITY_TESTS = \
 check_PROGRAMS += $(UNIT_TESTS) $(STABILITY_TESTS)
 endif
 check_PROGRAMS += tests/accuracy/forecast tests/accuracy/frame_error tests/render/render_file tests/render/write_frame tests/unit/import_dump
+scores = tests/accuracy/scores.c tests/accuracy/scores.h
 offline = tests/render/offline.c tests/render/offline.h
 picture = tests/render/picture.c tests/render/picture.h
 things = tests/render/things.c tests/render/things.h $(picture)
-tests_accuracy_forecast_SOURCES = tests/accuracy/forecast.c $(offline)
+tests_accuracy_forecast_SOURCES = tests/accuracy/forecast.c tests/accuracy/forecast_film.c \
+	tests/accuracy/forecast_film.h $(scores) $(offline)
 tests_render_render_file_SOURCES = tests/render/render_file.c $(offline)
 tests_render_test_camera_SOURCES = tests/render/test_camera.c $(offline) $(picture)
 tests_render_test_transport_SOURCES = tests/render/test_transport.c $(offline)
@@ -160,7 +162,7 @@ effect_worlds = tests/render/effect_worlds.c tests/render/effect_worlds.h $(stab
 tests_render_test_effects_SOURCES = tests/render/test_effects.c $(effect_worlds)
 moving = tests/render/moving.c tests/render/moving.h $(stable)
 filmed = tests/render/filmed.c tests/render/filmed.h $(stable)
-tests_render_test_adaptive_SOURCES = tests/render/test_adaptive.c $(filmed)
+tests_render_test_adaptive_SOURCES = tests/render/test_adaptive.c $(scores) $(filmed)
 tests_render_test_film_restore_SOURCES = tests/render/test_film_restore.c $(filmed)
 tests_render_test_coarse_SOURCES = tests/render/test_coarse.c $(filmed)
 tests_render_test_film_merge_SOURCES = tests/render/test_film_merge.c $(filmed)

@@ -1,20 +1,26 @@
 // forecast - what jobs say of their own error and of the samples that they need, beside what is
 // true. For tests/accuracy/forecast.py.
 //
-// usage: forecast measure SCENE.{glb,json} JOB.json SEEDS SAMPLES FIRST
+// usage: forecast record  FOLDER WIDTH HEIGHT SAMPLES SEED SEEDS SCENE.{glb,json} JOB.json
+//        forecast measure FOLDER WIDTH HEIGHT SAMPLES SEED SEEDS
 //        forecast predict FIRST < measured
+//        forecast scores  SEEDS SCENE.{glb,json} JOB.json
 //
-// measure renders the job with seeds 1..SEEDS for SAMPLES samples. A seed's reference is the mean of
-// the others; how far that is off itself is taken from the others' own estimates and subtracted.
-// Writes CSV, each row with its seed:
+// record renders the job, of that size, with seeds SEED, SEED + 1, ... for SAMPLES samples, and keeps
+// their films in FOLDER; seeds that are there are left alone. measure takes these. A seed's reference
+// is the mean of the others; its own variance is that of the others among each other and is
+// subtracted. Writes CSV, each row with its seed:
 //   point,SEED,samples,error,spread               of the curve
-//   cells,SEED,tail,relative,spread,...           parts of the picture at FIRST samples
-//   look,SEED,samples,error,true,linear,true,tone-mapped,true,tail
+//   cells,SEED,samples,tail,lift,relative,spread,...   parts of the picture at each point from 16 on
+//   look,SEED,samples,error,true,linear,true,tone-mapped,true,rare events
+// scores renders the job with seeds 1..SEEDS and prints how many values of pixels there are, and the
+// share that is as near to the truth as it says in 95 of 100 cases; see scores.h.
 // predict reads these and writes, for targets 1/2, 1/4 and 1/8 of the error at FIRST samples,
-//   forecast,SEED,divisor,rare,samples at which the true error is first that small (0: later),
+//   forecast,SEED,divisor,lower bound,samples at which the true error is first that small (0: later),
 //            quantiles of the forecast: .5, then .025 .05 .1 .25 .75 .9 .95 .975
-#include "kernels/gk_film.h"
-#include "tests/render/offline.h"
+#include "render/forecast.h"
+#include "tests/accuracy/forecast_film.h"
+#include "tests/accuracy/scores.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,132 +29,88 @@
 
 #define STEP 16 // samples between two looks at the true error
 #define MAX_LOOKS 4096
+#define MAX_SEEDS 512 // their numbers
 
-struct look {
-    struct glint_estimate estimate;
-    float *mean; // [pixels][3]
-};
+// ---- what a job says
 
-struct run {
-    struct offline o;
-    struct glint_posed rest;
-    struct glint_job *job;
-    uint32_t seeds, looks, first;
-    size_t values;      // 3 for each pixel
-    struct look **seed; // [seeds][looks]
-};
-
-static void *room(size_t n, size_t size)
+static void print_cells(const struct glint_film_estimate *e, uint32_t seed, uint32_t samples)
 {
-    void *p = calloc(n, size);
-    if (!p) {
-        fprintf(stderr, "no memory\n");
-        exit(1);
-    }
-    return p;
-}
-
-// ---- rendering
-
-static void take_tile(const struct run *run, glint_render *r, uint32_t tile, uint32_t samples,
-                      float *mean)
-{
-    struct glint_film_tile at;
-    glint_film_tile(r->film, tile, &at);
-    const float *planes = (const float *)glint_buffer_host(at.planes) + at.planes_offset;
-    const bool wide = run->job->dial[GLINT_DIAL_PRECISION] == 0;
-    const uint32_t columns = glint_film_columns(r->film), width = run->job->region[2];
-    for (uint32_t i = 0; i < GK_TILE_PIXELS; i++) {
-        const uint32_t x = tile % columns * GK_TILE_SIDE + i % GK_TILE_SIDE;
-        const uint32_t y = tile / columns * GK_TILE_SIDE + i / GK_TILE_SIDE;
-        for (uint32_t c = 0; x < width && y < run->job->region[3] && c < 3; c++)
-            mean[3 * ((size_t)y * width + x) + c] =
-                0.5f * (glint_film_mean(planes, wide, 0, c, i, samples / 2) +
-                        glint_film_mean(planes, wide, 1, c, i, samples / 2));
-    }
-}
-
-static void take_look(const struct run *run, glint_render *r, uint32_t samples, struct look *out)
-{
-    out->estimate = r->estimate.whole;
-    out->mean = room(run->values, sizeof *out->mean);
-    for (uint32_t t = 0; t < glint_film_columns(r->film) * glint_film_rows(r->film); t++)
-        take_tile(run, r, t, samples, out->mean);
-}
-
-static void print_cells(const struct glint_film_estimate *e, uint32_t seed)
-{
-    printf("cells,%u,%.6g", seed, e->whole.tail);
+    printf("cells,%u,%u,%.6g,%.6g", seed, samples, e->whole.tail, e->whole.lift);
     for (uint32_t c = 0; c < e->cells; c++)
         printf(",%.9g,%.9g", e->relative[c], e->spread[c]);
     puts("");
 }
 
-static void render_seed(struct run *run, uint32_t seed)
+static bool is_point(uint32_t samples)
 {
-    struct glint_error err = {0};
-    glint_render *r = NULL;
-    run->job->seed = seed + 1;
-    run->job->stop = (struct glint_job_stop){.samples = STEP};
-    run->seed[seed] = room(run->looks, sizeof **run->seed);
-    if (glint_render_create(&r, run->o.devices, run->rest.resident, run->rest.pose, run->job, &err))
-        offline_die("render", &err);
-    for (uint32_t i = 0; i < run->looks; i++) {
-        const uint32_t samples = STEP * (i + 1);
-        if (i && !glint_render_extend(r, samples, 0.0))
-            offline_die("extend", &err);
-        offline_render(&run->o, r);
-        take_look(run, r, samples, &run->seed[seed][i]);
-        if (samples == run->first)
-            print_cells(&r->estimate, seed);
-    }
-    for (uint32_t i = 0; i < r->points; i++)
-        printf("point,%u,%u,%.9g,%.9g\n", seed, r->curve[i].samples, r->curve[i].error,
-               r->curve[i].spread);
-    glint_render_destroy(&r);
+    return samples == 12 || (samples & (samples - 1)) == 0;
+}
+
+static void print_point(const struct glint_film_estimate *e, uint32_t seed, uint32_t samples)
+{
+    printf("point,%u,%u,%.9g,%.9g\n", seed, samples, e->whole.error, e->whole.spread);
+    if (samples >= STEP)
+        print_cells(e, seed, samples);
 }
 
 // ---- the truth: squares of errors, as the estimate has them
+
+struct truth {
+    const struct forecast_films *films;
+    size_t values;    // 3 for each pixel
+    float **halves;   // [seeds], of all looks
+    float *mean;      // of one look
+    float *reference; // of the other seeds
+};
+
+static void mean_of(const struct truth *t, uint32_t seed, uint32_t look, float *out)
+{
+    const float *a = t->halves[seed] + 2 * look * t->values;
+    for (size_t i = 0; i < t->values; i++)
+        out[i] = 0.5f * (a[i] + a[t->values + i]);
+}
 
 static double toned(const float *c, int channel)
 {
     return c[channel] / (1.0 + fmax(c[0], fmax(c[1], c[2])));
 }
 
-static struct glint_estimate squares(const struct run *run, const float *mean,
-                                     const float *reference)
+static struct glint_estimate squares(const struct truth *t, const float *mean)
 {
-    const double values = (double)run->values;
+    const double values = (double)t->values;
+    const float *reference = t->reference;
     struct glint_estimate e = {0};
-    for (size_t p = 0; p < run->values; p += 3)
+    for (size_t p = 0; p < t->values; p += 3)
         for (int c = 0; c < 3; c++) {
             const double d = (double)mean[p + c] - reference[p + c], r = reference[p + c];
-            const double t = toned(mean + p, c) - toned(reference + p, c);
+            const double tone = toned(mean + p, c) - toned(reference + p, c);
             e.error += d * d / (r * r + 0.01) / values;
             e.linear += d * d / values;
-            e.tone_mapped += 3.0 * t * t / values;
+            e.tone_mapped += 3.0 * tone * tone / values;
         }
     return e;
 }
 
-// The mean of the other seeds' last looks; *noise: squares of its own errors.
-static void make_reference(const struct run *run, uint32_t seed, float *out,
-                           struct glint_estimate *noise)
+// The mean of the other seeds' last looks; returns the squares of its own errors.
+static struct glint_estimate make_reference(const struct truth *t, uint32_t seed)
 {
-    const double others = run->seeds - 1.0;
-    memset(out, 0, run->values * sizeof *out);
-    *noise = (struct glint_estimate){0};
-    for (uint32_t k = 0; k < run->seeds; k++) {
-        const struct look *last = &run->seed[k][run->looks - 1];
-        const struct glint_estimate *e = &last->estimate;
-        if (k == seed)
-            continue;
-        for (size_t i = 0; i < run->values; i++)
-            out[i] += last->mean[i] / (float)others;
-        noise->error += e->error * e->error / (others * others);
-        noise->linear += e->linear * e->linear / (others * others);
-        noise->tone_mapped += e->tone_mapped * e->tone_mapped / (others * others);
+    const uint32_t last = forecast_film_looks(t->films) - 1, others = t->films->seeds - 1;
+    const double scale = 1.0 / ((double)others * (others - 1.0));
+    struct glint_estimate sum = {0};
+    memset(t->reference, 0, t->values * sizeof *t->reference);
+    for (uint32_t k = 0; k < t->films->seeds; k++) {
+        mean_of(t, k, last, t->mean);
+        for (size_t i = 0; k != seed && i < t->values; i++)
+            t->reference[i] += t->mean[i] / (float)others;
     }
+    for (uint32_t k = 0; k < t->films->seeds; k++) {
+        mean_of(t, k, last, t->mean);
+        const struct glint_estimate e = squares(t, t->mean);
+        sum.error += k == seed ? 0.0 : e.error * scale;
+        sum.linear += k == seed ? 0.0 : e.linear * scale;
+        sum.tone_mapped += k == seed ? 0.0 : e.tone_mapped * scale;
+    }
+    return sum;
 }
 
 static double root(double square, double noise)
@@ -156,47 +118,42 @@ static double root(double square, double noise)
     return sqrt(fmax(square - noise, 0.0));
 }
 
-static void print_looks(const struct run *run, uint32_t seed)
+static void print_look(const struct truth *t, uint32_t seed, uint32_t look,
+                       const struct glint_estimate *noise)
 {
-    struct glint_estimate noise;
-    float *reference = room(run->values, sizeof *reference);
-    make_reference(run, seed, reference, &noise);
-    for (uint32_t i = 0; i < run->looks; i++) {
-        const struct look *l = &run->seed[seed][i];
-        const struct glint_estimate *e = &l->estimate, s = squares(run, l->mean, reference);
-        printf("look,%u,%u,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.4g\n", seed, STEP * (i + 1), e->error,
-               root(s.error, noise.error), e->linear, root(s.linear, noise.linear), e->tone_mapped,
-               root(s.tone_mapped, noise.tone_mapped), e->tail);
-    }
-    free(reference);
+    struct glint_film_estimate film;
+    const uint32_t samples = forecast_film_samples(look), number = t->films->first_seed + seed;
+    forecast_film_estimate(t->films, t->halves[seed] + 2 * look * t->values, samples, &film);
+    const struct glint_estimate *e = &film.whole;
+    if (is_point(samples))
+        print_point(&film, number, samples);
+    if (samples < STEP)
+        return;
+    mean_of(t, seed, look, t->mean);
+    const struct glint_estimate s = squares(t, t->mean);
+    printf("look,%u,%u,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%d\n", number, samples, e->error,
+           root(s.error, noise->error), e->linear, root(s.linear, noise->linear), e->tone_mapped,
+           root(s.tone_mapped, noise->tone_mapped), glint_estimate_rare(e));
 }
 
-static void measure(struct run *run, char **argument)
+static void measure(const struct forecast_films *films)
 {
-    size_t length;
-    offline_start(&run->o, 1);
-    char *text = (char *)offline_read_file(argument[1], &length);
-    run->job = offline_job(text);
-    run->rest = offline_load_posed(&run->o, argument[0]);
-    run->seeds = (uint32_t)atoi(argument[2]);
-    run->looks = (uint32_t)atoi(argument[3]) / STEP;
-    run->first = (uint32_t)atoi(argument[4]);
-    run->values = (size_t)3 * run->job->region[2] * run->job->region[3];
-    run->seed = room(run->seeds, sizeof *run->seed);
-    for (uint32_t k = 0; k < run->seeds; k++)
-        render_seed(run, k);
-    for (uint32_t k = 0; k < run->seeds; k++)
-        print_looks(run, k);
-    for (uint32_t k = 0; k < run->seeds; k++) {
-        for (uint32_t i = 0; i < run->looks; i++)
-            free(run->seed[k][i].mean);
-        free(run->seed[k]);
+    const size_t values = (size_t)3 * films->width * films->height;
+    struct truth t = {films, values, forecast_room(films->seeds, sizeof *t.halves),
+                      forecast_room(values, sizeof *t.mean),
+                      forecast_room(values, sizeof *t.reference)};
+    for (uint32_t k = 0; k < films->seeds; k++)
+        t.halves[k] = forecast_film_read(films, films->first_seed + k);
+    for (uint32_t k = 0; k < films->seeds; k++) {
+        const struct glint_estimate noise = make_reference(&t, k);
+        for (uint32_t look = 0; look < forecast_film_looks(films); look++)
+            print_look(&t, k, look, &noise);
     }
-    free(run->seed);
-    free(text);
-    glint_resident_release(&run->rest.resident);
-    glint_job_destroy(&run->job);
-    offline_finish(&run->o);
+    for (uint32_t k = 0; k < films->seeds; k++)
+        free(t.halves[k]);
+    free(t.halves);
+    free(t.mean);
+    free(t.reference);
 }
 
 // ---- forecasts from what was measured
@@ -249,11 +206,16 @@ static void predict(const struct seed *s, uint32_t number, uint32_t first)
         predict_one(s, number, first, divisor);
 }
 
-static void read_cells(struct seed *s, const char *at)
+static void read_cells(struct seed *s, const char *at, uint32_t first)
 {
     struct glint_film_estimate *e = &s->now;
+    uint32_t samples;
     int used = 0;
-    sscanf(at, "%lf%n", &e->whole.tail, &used);
+    if (sscanf(at, "%u%n", &samples, &used) != 1 || samples != first)
+        return;
+    at += used;
+    if (sscanf(at, ",%lf,%lf%n", &e->whole.tail, &e->whole.lift, &used) != 2)
+        return;
     for (at += used;
          sscanf(at, ",%lf,%lf%n", &e->relative[e->cells], &e->spread[e->cells], &used) == 2;
          at += used)
@@ -273,7 +235,7 @@ static void read_point(struct seed *s, const char *at, uint32_t first)
 static void read_line(struct seed *s, const char *line, const char *at, uint32_t first)
 {
     if (!strncmp(line, "cells", 5))
-        read_cells(s, at);
+        read_cells(s, at, first);
     else if (!strncmp(line, "point", 5))
         read_point(s, at, first);
     else if (s->looks < MAX_LOOKS && sscanf(at, "%*u,%*f,%lf", &s->error[s->looks]) == 1)
@@ -282,31 +244,73 @@ static void read_line(struct seed *s, const char *line, const char *at, uint32_t
 
 static void predict_all(uint32_t first)
 {
-    static struct seed seed[64];
+    static struct seed seed[MAX_SEEDS];
     static char line[1 << 16];
     uint32_t number, seeds = 0;
     while (fgets(line, sizeof line, stdin)) {
         int used = 0;
-        if (sscanf(line, "%*[a-z],%u,%n", &number, &used) != 1 || !used || number >= 64)
+        if (sscanf(line, "%*[a-z],%u,%n", &number, &used) != 1 || !used || number >= MAX_SEEDS)
             continue;
         read_line(&seed[number], line, line + used, first);
         seeds = number >= seeds ? number + 1 : seeds;
     }
     for (number = 0; number < seeds; number++)
-        predict(&seed[number], number, first);
+        if (seed[number].looks)
+            predict(&seed[number], number, first);
+}
+
+// ---- pixels
+
+static void score(uint32_t seeds, const char *scene, const char *job_path)
+{
+    struct offline o;
+    size_t length;
+    offline_start(&o, 1);
+    char *text = (char *)offline_read_file(job_path, &length);
+    struct glint_job *job = offline_job(text);
+    struct glint_posed rest = offline_load_posed(&o, scene);
+    const struct scores s = scores_take(&o, &rest, job, seeds);
+    printf("%llu,%.4f\n", (unsigned long long)s.values, (double)s.inside / (double)s.values);
+    free(text);
+    glint_resident_release(&rest.resident);
+    glint_job_destroy(&job);
+    offline_finish(&o);
+}
+
+static struct forecast_films films_of(char **argument)
+{
+    return (struct forecast_films){.folder = argument[0],
+                                   .width = (uint32_t)atoi(argument[1]),
+                                   .height = (uint32_t)atoi(argument[2]),
+                                   .samples = (uint32_t)atoi(argument[3]),
+                                   .first_seed = (uint32_t)atoi(argument[4]),
+                                   .seeds = (uint32_t)atoi(argument[5])};
+}
+
+static int usage(void)
+{
+    fprintf(stderr,
+            "usage: forecast record  FOLDER WIDTH HEIGHT SAMPLES SEED SEEDS SCENE JOB.json\n"
+            "       forecast measure FOLDER WIDTH HEIGHT SAMPLES SEED SEEDS\n"
+            "       forecast predict FIRST < measured\n"
+            "       forecast scores  SEEDS SCENE JOB.json\n");
+    return 64;
 }
 
 int main(int argc, char **argv)
 {
-    static struct run run;
-    if (argc == 7 && !strcmp(argv[1], "measure")) {
-        measure(&run, argv + 2);
-    } else if (argc == 3 && !strcmp(argv[1], "predict")) {
+    struct forecast_films films;
+    if (argc >= 8)
+        films = films_of(argv + 2);
+    if (argc == 10 && !strcmp(argv[1], "record"))
+        forecast_film_record(argv[8], argv[9], &films);
+    else if (argc == 8 && !strcmp(argv[1], "measure"))
+        measure(&films);
+    else if (argc == 3 && !strcmp(argv[1], "predict"))
         predict_all((uint32_t)atoi(argv[2]));
-    } else {
-        fprintf(stderr, "usage: forecast measure SCENE JOB.json SEEDS SAMPLES FIRST\n"
-                        "       forecast predict FIRST < measured\n");
-        return 64;
-    }
+    else if (argc == 5 && !strcmp(argv[1], "scores"))
+        score((uint32_t)atoi(argv[2]), argv[3], argv[4]);
+    else
+        return usage();
     return 0;
 }

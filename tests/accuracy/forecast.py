@@ -1,12 +1,14 @@
 #!/usr/bin/python3
 """What jobs say of their own error and of the samples they need, beside what is true.
 
-usage: tests/accuracy/forecast.py BUILD OUT [--seeds 16] [--first 64] [--samples 4096]
-                                  [--size 96x64] [--only SCENE]... [--keep]
+usage: tests/accuracy/forecast.py BUILD OUT [--raw FOLDER] [--seed 1] [--seeds 16] [--first 32]
+                                  [--samples 2048] [--size 32x16] [--only SCENE]...
 
-Scenes are those of glint-demo-scene and, where the variable GLINT_SCENES names a folder, interiors
-from there. Each is rendered once for every seed, by one worker; OUT gets estimates.csv,
-forecasts.csv and calibration.svg. --keep takes what OUT has measured already.
+Scenes are those of glint-demo-scene and, where the variable GLINT_SCENES names a folder, some from
+there. Each is rendered once for every seed, by one worker. FOLDER keeps their films: what is there is
+not rendered again, so that a run that was stopped goes on, and a change of estimates or forecasts is
+measured on the same films. OUT gets estimates.csv, scores.csv, forecasts.csv and
+calibration.svg.
 """
 import argparse
 import csv
@@ -15,12 +17,45 @@ import math
 import os
 import pathlib
 import subprocess
+import struct
 import tempfile
+import urllib.parse
+import urllib.request
 
 DEMOS = ["cluster", "forty", "strips", "plant", "water", "shelves"]
-INTERIORS = ["cornell-box", "staircase2", "bathroom", "veach-bidir"]
+OTHERS = ["interiors/cornell-box.glb", "interiors/staircase2.glb", "interiors/veach-bidir.glb",
+          "chess/chess_set_glass.gltf"]
 LOOKS = [32, 64, 128, 256, 512, 1024, 2048]
+SCORED = 256  # samples of the pixels that are scored
 LEVELS = {50: (4, 5), 80: (3, 6), 90: (2, 7), 95: (1, 8)}  # quantiles of a forecast, by their place
+
+
+def pack(gltf):
+    """A .gltf with the files that it names, as the bytes of a .glb."""
+    tree, blob = json.loads(gltf.read_text()), bytearray()
+
+    def add(uri):
+        data = urllib.request.urlopen(urllib.parse.urljoin(gltf.as_uri(), uri)).read()
+        blob.extend(bytes(-len(blob) % 4))
+        blob.extend(data)
+        return len(blob) - len(data), data
+
+    starts = [add(buffer["uri"])[0] for buffer in tree["buffers"]]
+    for view in tree["bufferViews"]:
+        view["byteOffset"] = view.get("byteOffset", 0) + starts[view["buffer"]]
+        view["buffer"] = 0
+    for image in tree.get("images", []):
+        start, data = add(image.pop("uri"))
+        image["mimeType"] = "image/png" if data.startswith(b"\x89PNG") else "image/jpeg"
+        image["bufferView"] = len(tree["bufferViews"])
+        tree["bufferViews"].append({"buffer": 0, "byteOffset": start, "byteLength": len(data)})
+    blob.extend(bytes(-len(blob) % 4))
+    tree["buffers"] = [{"byteLength": len(blob)}]
+    text = json.dumps(tree).encode()
+    text += b" " * (-len(text) % 4)
+    return (struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(blob)) +
+            struct.pack("<I4s", len(text), b"JSON") + text +
+            struct.pack("<I4s", len(blob), b"BIN\0") + blob)
 
 
 def scenes(build, folder):
@@ -30,53 +65,73 @@ def scenes(build, folder):
                                         stdout=subprocess.PIPE).stdout)
         yield name, path
     root = os.environ.get("GLINT_SCENES")
-    for name in INTERIORS:
-        path = pathlib.Path(root or ".") / "interiors" / f"{name}.glb"
-        if root and path.exists():
-            yield name, path
+    for other in OTHERS:
+        path = pathlib.Path(root or ".").resolve() / other
+        if root and path.exists() and path.suffix == ".gltf":
+            packed = folder / f"{path.stem}.glb"
+            packed.write_bytes(pack(path))
+            yield path.stem, packed
+        elif root and path.exists():
+            yield path.stem, path
+
+
+def write_job(options, folder, samples):
+    job = folder / "job.json"
+    job.write_text(json.dumps({"scene": "s", "resolution": options.size, "outputs": ["beauty"],
+                               "stop": {"samples": samples}}))
+    return job
 
 
 def measure(options, name, path, folder):
-    raw = options.out / f"{name}.measured"
-    if options.keep and raw.exists():
-        return raw
-    job = folder / "job.json"
-    width, height = map(int, options.size.split("x"))
-    job.write_text(json.dumps({"scene": "s", "resolution": [width, height], "outputs": ["beauty"],
-                               "stop": {"samples": 16}}))
+    """What the program says of the scene's films, which it renders where they are not there."""
+    films = options.raw / name
+    films.mkdir(parents=True, exist_ok=True)
+    job = write_job(options, folder, 16)
     program = options.build / "tests/accuracy/forecast"
-    with open(raw, "wb") as out:
-        subprocess.run([program, "measure", path, job, str(options.seeds), str(options.samples),
-                        str(options.first)], check=True, stdout=out)
-    return raw
+    films = [str(v) for v in (films, *options.size, options.samples, options.seed, options.seeds)]
+    subprocess.run([program, "record", *films, path, job], check=True)
+    return subprocess.run([program, "measure", *films], check=True, stdout=subprocess.PIPE).stdout
 
 
-def looks_of(raw):
-    """{samples: [[error, true, linear, true, tone-mapped, true, tail] of each seed]}"""
+def scores_of(options, name, path, folder):
+    """[values of pixels, share of them inside of what their batches say in 95 cases of 100]"""
+    kept = options.raw / name / f"scores.{SCORED}"
+    if not kept.exists():
+        job = write_job(options, folder, SCORED)
+        program = options.build / "tests/accuracy/forecast"
+        kept.write_bytes(subprocess.run([program, "scores", "8", path, job], check=True,
+                                        stdout=subprocess.PIPE).stdout)
+    return kept.read_text().strip().split(",")
+
+
+def looks_of(measured):
+    """{samples: [[error, true, linear, true, tone-mapped, true, rare events] of each seed]}"""
     looks = {}
-    for line in open(raw):
-        kind, _, samples, *rest = line.strip().split(",")
+    for line in measured.decode().splitlines():
+        kind, _, samples, *rest = line.split(",")
         if kind == "look" and int(samples) in LOOKS:
             looks.setdefault(int(samples), []).append([float(x) for x in rest])
     return looks
 
 
-def forecasts_of(options, raw):
-    with open(raw, "rb") as measured:
-        text = subprocess.run([options.build / "tests/accuracy/forecast", "predict",
-                               str(options.first)], check=True, stdin=measured,
-                              stdout=subprocess.PIPE).stdout.decode()
+def forecasts_of(options, measured):
+    text = subprocess.run([options.build / "tests/accuracy/forecast", "predict",
+                           str(options.first)], check=True, input=measured,
+                          stdout=subprocess.PIPE).stdout.decode()
     return [[float(x) for x in line.split(",")[1:]] for line in text.splitlines()]
 
 
 def ratio(rows, column):
-    return math.sqrt(sum(r[column] ** 2 for r in rows) / sum(r[column + 1] ** 2 for r in rows))
+    if not rows:
+        return ""
+    return f"{math.sqrt(sum(r[column] ** 2 for r in rows) / sum(r[column + 1] ** 2 for r in rows)):.4f}"
 
 
 def estimate_rows(name, looks):
     for samples, rows in sorted(looks.items()):
-        yield [name, samples, len(rows)] + [f"{ratio(rows, c):.4f}" for c in (0, 2, 4)] + [
-            sum(r[6] < 2.5 for r in rows)]
+        sound = [r for r in rows if not r[6]]
+        yield [name, samples, len(rows), *(ratio(rows, c) for c in (0, 2, 4)), len(sound),
+               *(ratio(sound, c) for c in (0, 2, 4))]
 
 
 def median(values):
@@ -84,21 +139,28 @@ def median(values):
     return values[len(values) // 2] if values else math.nan
 
 
-def report(forecasts, out):
-    """Forecasts that are not lower bounds and whose target was reached; then what was flagged."""
-    for name in sorted({f[0] for f in forecasts}) + [None]:
+def held(forecasts, low, high, last):
+    """The share of the intervals that hold the truth; what comes after the last sample is known to
+    be outside of those that end before."""
+    known = [f for f in forecasts if f[3] or f[4 + high] <= last]
+    inside = sum(f[4 + low] < f[3] < f[4 + high] for f in known)
+    return f"{inside / len(known):.3f}" if known else ""
+
+
+def report(forecasts, last, out):
+    """Forecasts; then those that were given as lower bounds, and what they would have been worth."""
+    for name in [*sorted({f[0] for f in forecasts}), None]:
         mine = [f[1] for f in forecasts if name in (None, f[0])]
-        said = [f for f in mine if not f[2] and f[3] > 0]
-        low = [f for f in mine if f[2]]
-        row = [name or "all", len(mine), len(low), sum(f[3] == 0 for f in mine), len(said)]
-        row.append(f"{median([f[4] / f[3] for f in said]):.3f}")
-        for low_at, high_at in LEVELS.values():
-            inside = sum(f[4 + low_at] < f[3] < f[4 + high_at] for f in said)
-            row.append(f"{inside / len(said):.3f}" if said else "")
+        said, low = [f for f in mine if not f[2]], [f for f in mine if f[2]]
+        row = [name or "all", len(mine), sum(f[3] == 0 for f in mine), len(said)]
+        row.append(f"{median([f[4] / (f[3] or last) for f in said]):.3f}" if said else "")
+        row += [held(said, *ends, last) for ends in LEVELS.values()]
         bounds = sum(f[3] == 0 or f[3] >= f[6] for f in low)
-        row.append(f"{bounds / len(low):.3f}" if low else "")
+        row += [len(low), f"{bounds / len(low):.3f}" if low else ""]
+        row.append(f"{median([f[4] / (f[3] or last) for f in low]):.3f}" if low else "")
+        row.append(held(low, *LEVELS[90], last))
         out.writerow(row)
-        print(*row)
+        print(*row, sep=",")
 
 
 def plot(forecasts, path):
@@ -129,33 +191,41 @@ def main():
     p = argparse.ArgumentParser()
     p.add_argument("build", type=pathlib.Path)
     p.add_argument("out", type=pathlib.Path)
+    p.add_argument("--raw", type=pathlib.Path)
+    p.add_argument("--seed", type=int, default=1)
     p.add_argument("--seeds", type=int, default=16)
-    p.add_argument("--first", type=int, default=64)
-    p.add_argument("--samples", type=int, default=4096)
-    p.add_argument("--size", default="96x64")
+    p.add_argument("--first", type=int, default=32)
+    p.add_argument("--samples", type=int, default=2048)
+    p.add_argument("--size", default="32x16")
     p.add_argument("--only", action="append")
-    p.add_argument("--keep", action="store_true")
     options = p.parse_args()
     options.build = options.build.resolve()
     options.out.mkdir(parents=True, exist_ok=True)
-    estimates, forecasts = [], []
+    options.raw = options.raw or options.out / "films"
+    options.size = [int(side) for side in options.size.split("x")]
+    estimates, forecasts, scores = [], [], []
     with tempfile.TemporaryDirectory() as folder:
         for name, path in scenes(options.build, pathlib.Path(folder)):
             if options.only and name not in options.only:
                 continue
-            raw = measure(options, name, path, pathlib.Path(folder))
-            estimates += estimate_rows(name, looks_of(raw))
-            forecasts += [(name, f) for f in forecasts_of(options, raw)]
+            measured = measure(options, name, path, pathlib.Path(folder))
+            scores.append([name, 8, SCORED, *scores_of(options, name, path, pathlib.Path(folder))])
+            estimates += estimate_rows(name, looks_of(measured))
+            forecasts += [(name, f) for f in forecasts_of(options, measured)]
     with open(options.out / "estimates.csv", "w", newline="") as f:
         out = csv.writer(f, lineterminator="\n")
-        out.writerow(["scene", "samples", "seeds", "error_ratio", "linear_ratio", "tone_ratio",
-                      "rare_events"])
+        out.writerow(["scene", "samples", "seeds", "error", "linear", "tone", "unflagged",
+                      "unflagged_error", "unflagged_linear", "unflagged_tone"])
         out.writerows(estimates)
+    with open(options.out / "scores.csv", "w", newline="") as f:
+        out = csv.writer(f, lineterminator="\n")
+        out.writerow(["scene", "seeds", "samples", "values", "inside"])
+        out.writerows(scores)
     with open(options.out / "forecasts.csv", "w", newline="") as f:
         out = csv.writer(f, lineterminator="\n")
-        out.writerow(["scene", "forecasts", "lower_bounds", "not_reached", "judged",
-                      "median_ratio", "in_50", "in_80", "in_90", "in_95", "bounds_that_hold"])
-        report(forecasts, out)
+        out.writerow(["scene", "forecasts", "not_reached", "judged", "median", "in_50", "in_80",
+                      "in_90", "in_95", "bounds", "bounds_hold", "bounds_median", "bounds_in_90"])
+        report(forecasts, options.samples, out)
     plot(forecasts, options.out / "calibration.svg")
 
 
