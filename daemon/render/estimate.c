@@ -9,6 +9,7 @@
 #define RARE 2.5  // Hill's index below which events are rare
 #define TAIL 0.01 // of the pixels
 #define LIFTED 1.04
+#define HEAVY 1.3
 #define TRUST \
     0.375 // between 1/2, which misses more of rare events, and 1/4, which sees them at edges
 #define LOOKS_OFF 0.05 // of jobs that may stop too early
@@ -245,6 +246,11 @@ double glint_estimate_upper(const struct glint_estimate *e, uint32_t look)
 bool glint_estimate_rare(const struct glint_estimate *e)
 {
     return e->tail < RARE || e->lift > LIFTED;
+}
+
+bool glint_estimate_heavy(const struct glint_estimate *e)
+{
+    return e->tail < RARE || e->lift > HEAVY;
 }
 
 uint32_t glint_estimate_look(uint32_t samples)

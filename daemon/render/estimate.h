@@ -72,6 +72,10 @@ double glint_estimate_upper(const struct glint_estimate *e, uint32_t look);
 // lift the error by more than 4 %.
 bool glint_estimate_rare(const struct glint_estimate *e);
 
+// Whether it misses so much that nothing can be said of what is to come but at least: the same with a
+// lift of more than 30 %.
+bool glint_estimate_heavy(const struct glint_estimate *e);
+
 // Sample counts at which a job that stops by error looks at itself: 16, 32, then in steps of about
 // 2^(1/4), whole passes. Returns the number of the look, from 1 on; 0: none is due.
 uint32_t glint_estimate_look(uint32_t samples);

@@ -16,6 +16,7 @@
 #define SLOPE_AGE 1.0   // octaves: from the middle of those checkpoints until now
 #define SLOW_POWER 0.85 // no error falls slower: samples do not see all of it yet
 #define UNKNOWN_SPREAD 0.2
+#define MOST_HIDDEN 0.15
 #define LEAST_SPREAD 0.01
 
 // ---- the slope of the last octaves: log(V / n^g) = level - slope * log(n / n_now)
@@ -148,13 +149,21 @@ static double roll_level(struct dice *d, const struct glint_film_estimate *e)
     return sum > 0.0 ? log(fmax(1.0 + moved / sum, 0.01)) : 0.0;
 }
 
+// What rare events may add to it still: up to what neighbours have shown of them, and as much again.
+static double roll_hidden(struct dice *d, const struct glint_estimate *e)
+{
+    const double shown = e->lift > 1.0 ? fmin(log(e->lift), MOST_HIDDEN) : 0.0;
+    return 2.0 * shown * roll(d) / 4294967296.0;
+}
+
 // Both the estimate now and the true error then are those of pictures that chance made.
 static double draw(struct dice *d, const struct line *l, const struct glint_forecast_input *in)
 {
     const double last = fmax(LAST_POWER + LAST_SPREAD * roll_normal(d), 0.8);
     const double slope = fmin(fmax(l->slope + l->slope_spread * roll_normal(d), last), 2.0);
     const double over = (slope - last) * pow(KEPT, SLOPE_AGE);
-    const double level = l->level + roll_level(d, in->now) + roll_level(d, in->now);
+    const double level = l->level + roll_level(d, in->now) + roll_level(d, in->now) +
+                         roll_hidden(d, &in->now->whole);
     const double wanted = log(in->target * in->target - in->bias * in->bias);
     return in->samples * exp2(octaves_for(level - wanted, last, over));
 }
@@ -227,5 +236,5 @@ void glint_forecast_make(struct glint_forecast *out, const struct glint_forecast
     take_quantiles(out->samples, samples, GLINT_FORECAST_DRAWS);
     take_seconds(out, samples, in);
     out->reachable = out->samples[1] <= in->limit;
-    out->lower_bound = glint_estimate_rare(&in->now->whole) || falls_slowly(in);
+    out->lower_bound = glint_estimate_heavy(&in->now->whole) || falls_slowly(in);
 }

@@ -119,6 +119,22 @@ static void rare_events_leave_a_lower_bound(void **state)
     assert_true(f.lower_bound);
 }
 
+static void what_neighbours_have_shown_of_rare_events_makes_it_later(void **state)
+{
+    (void)state;
+    struct story s;
+    struct glint_forecast plain, lifted;
+    tell(&s, 1.0, 0.0, 0.02, NULL);
+    glint_forecast_make(&plain, &s.in);
+    s.now.whole.lift = 1.1;
+    glint_forecast_make(&lifted, &s.in);
+    assert_true(!lifted.lower_bound && lifted.samples[2] > plain.samples[2] * 1.05);
+    assert_true(lifted.samples[0] > plain.samples[0] * 1.05);
+    s.now.whole.lift = 1.4;
+    glint_forecast_make(&lifted, &s.in);
+    assert_true(lifted.lower_bound);
+}
+
 static void nothing_is_foretold_from_few_points(void **state)
 {
     (void)state;
@@ -200,6 +216,7 @@ int main(void)
         cmocka_unit_test(less_than_a_bias_is_never_reached),
         cmocka_unit_test(what_takes_more_samples_than_there_are_is_out_of_reach),
         cmocka_unit_test(rare_events_leave_a_lower_bound),
+        cmocka_unit_test(what_neighbours_have_shown_of_rare_events_makes_it_later),
         cmocka_unit_test(nothing_is_foretold_from_few_points),
         cmocka_unit_test(seconds_are_those_of_the_last_passes),
         cmocka_unit_test(intervals_hold_the_truth_as_often_as_they_say),
