@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """What jobs say of their own error and of the samples they need, beside what is true.
 
-usage: tests/accuracy/forecast.py BUILD OUT [--raw FOLDER] [--seed 1] [--seeds 16] [--first 32]
+usage: tests/accuracy/forecast.py BUILD OUT [--raw FOLDER] [--seed 1] [--seeds 16] [--first 32]...
                                   [--samples 2048] [--size 32x16] [--only SCENE]...
 
 Scenes are those of glint-demo-scene and, where the variable GLINT_SCENES names a folder, some from
@@ -114,9 +114,8 @@ def looks_of(measured):
     return looks
 
 
-def forecasts_of(options, measured):
-    text = subprocess.run([options.build / "tests/accuracy/forecast", "predict",
-                           str(options.first)], check=True, input=measured,
+def forecasts_of(options, first, measured):
+    text = subprocess.run([options.build / "tests/accuracy/forecast", "predict", str(first)], check=True, input=measured,
                           stdout=subprocess.PIPE).stdout.decode()
     return [[float(x) for x in line.split(",")[1:]] for line in text.splitlines()]
 
@@ -147,18 +146,26 @@ def held(forecasts, low, high, last):
     return f"{inside / len(known):.3f}" if known else ""
 
 
-def report(forecasts, last, out):
+def row_of(mine, last):
     """Forecasts; then those that were given as lower bounds, and what they would have been worth."""
-    for name in [*sorted({f[0] for f in forecasts}), None]:
-        mine = [f[1] for f in forecasts if name in (None, f[0])]
-        said, low = [f for f in mine if not f[2]], [f for f in mine if f[2]]
-        row = [name or "all", len(mine), sum(f[3] == 0 for f in mine), len(said)]
-        row.append(f"{median([f[4] / (f[3] or last) for f in said]):.3f}" if said else "")
-        row += [held(said, *ends, last) for ends in LEVELS.values()]
-        bounds = sum(f[3] == 0 or f[3] >= f[6] for f in low)
-        row += [len(low), f"{bounds / len(low):.3f}" if low else ""]
-        row.append(f"{median([f[4] / (f[3] or last) for f in low]):.3f}" if low else "")
-        row.append(held(low, *LEVELS[90], last))
+    said, low = [f for f in mine if not f[2]], [f for f in mine if f[2]]
+    row = [len(mine), sum(f[3] == 0 for f in mine), len(said)]
+    row.append(f"{median([f[4] / (f[3] or last) for f in said]):.3f}" if said else "")
+    row += [held(said, *ends, last) for ends in LEVELS.values()]
+    bounds = sum(f[3] == 0 or f[3] >= f[6] for f in low)
+    row += [len(low), f"{bounds / len(low):.3f}" if low else ""]
+    row.append(f"{median([f[4] / (f[3] or last) for f in low]):.3f}" if low else "")
+    return row + [held(low, *LEVELS[90], last)]
+
+
+def report(first, forecasts, last, out):
+    """Scene by scene, then all, with odd seeds and with even ones."""
+    groups = [(name, "all", [f for n, f in forecasts if n == name])
+              for name in sorted({n for n, _ in forecasts})]
+    groups += [("all", which, [f for _, f in forecasts if f[0] % 2 in parity])
+               for which, parity in (("all", (0, 1)), ("odd", (1,)), ("even", (0,)))]
+    for name, which, mine in groups:
+        row = [first, name, which, *row_of(mine, last)]
         out.writerow(row)
         print(*row, sep=",")
 
@@ -194,7 +201,7 @@ def main():
     p.add_argument("--raw", type=pathlib.Path)
     p.add_argument("--seed", type=int, default=1)
     p.add_argument("--seeds", type=int, default=16)
-    p.add_argument("--first", type=int, default=32)
+    p.add_argument("--first", type=int, action="append")
     p.add_argument("--samples", type=int, default=2048)
     p.add_argument("--size", default="32x16")
     p.add_argument("--only", action="append")
@@ -202,8 +209,9 @@ def main():
     options.build = options.build.resolve()
     options.out.mkdir(parents=True, exist_ok=True)
     options.raw = options.raw or options.out / "films"
+    options.first = options.first or [32, 64]
     options.size = [int(side) for side in options.size.split("x")]
-    estimates, forecasts, scores = [], [], []
+    estimates, forecasts, scores = [], {first: [] for first in options.first}, []
     with tempfile.TemporaryDirectory() as folder:
         for name, path in scenes(options.build, pathlib.Path(folder)):
             if options.only and name not in options.only:
@@ -211,7 +219,8 @@ def main():
             measured = measure(options, name, path, pathlib.Path(folder))
             scores.append([name, 8, SCORED, *scores_of(options, name, path, pathlib.Path(folder))])
             estimates += estimate_rows(name, looks_of(measured))
-            forecasts += [(name, f) for f in forecasts_of(options, measured)]
+            for first, made in forecasts.items():
+                made += [(name, f) for f in forecasts_of(options, first, measured)]
     with open(options.out / "estimates.csv", "w", newline="") as f:
         out = csv.writer(f, lineterminator="\n")
         out.writerow(["scene", "samples", "seeds", "error", "linear", "tone", "unflagged",
@@ -223,10 +232,11 @@ def main():
         out.writerows(scores)
     with open(options.out / "forecasts.csv", "w", newline="") as f:
         out = csv.writer(f, lineterminator="\n")
-        out.writerow(["scene", "forecasts", "not_reached", "judged", "median", "in_50", "in_80",
+        out.writerow(["first", "scene", "seeds", "forecasts", "not_reached", "judged", "median", "in_50", "in_80",
                       "in_90", "in_95", "bounds", "bounds_hold", "bounds_median", "bounds_in_90"])
-        report(forecasts, options.samples, out)
-    plot(forecasts, options.out / "calibration.svg")
+        for first, made in forecasts.items():
+            report(first, made, options.samples, out)
+    plot(sum(forecasts.values(), []), options.out / "calibration.svg")
 
 
 if __name__ == "__main__":
