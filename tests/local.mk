@@ -201,7 +201,8 @@ tests_accuracy_variance_SOURCES = tests/accuracy/variance.c tests/accuracy/repla
 tests_accuracy_variance_LDFLAGS = $(tests_accuracy_mattes_LDFLAGS)
 tests_accuracy_strips_SOURCES = tests/accuracy/strips.c tests/accuracy/subrays.c \
 	tests/accuracy/subrays.h $(offline)
-EXTRA_PROGRAMS += tests/bench/effects tests/bench/precision
+EXTRA_PROGRAMS += tests/bench/effects tests/bench/efficiency_frames tests/bench/precision
+tests_bench_efficiency_frames_SOURCES = tests/bench/efficiency_frames.c $(offline)
 tests_bench_precision_LDADD = libglintcli.a $(LDADD)
 tests_bench_precision_SOURCES = tests/bench/precision.c tests/kernel/matte_double.h $(bench_waves)
 tests_bench_effects_LDADD = libglintcli.a $(LDADD)
@@ -331,7 +332,7 @@ SCRIPT_TESTS = \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
-dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/accuracy/strips_plot.py tests/accuracy/choose tests/accuracy/policies tests/accuracy/policies_plot.py tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised \
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/accuracy/strips_plot.py tests/accuracy/choose tests/accuracy/policies tests/accuracy/policies_plot.py tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/efficiency tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised \
 	tests/stability/matrix tests/stability/nightly
 dist_check_DATA += tests/bench/README.md tests/bench/every_effect.py tests/bench/history.csv tests/bench/million_blend.py \
 	tests/clients/blender_cryptomatte.py tests/clients/browser.py tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \
