@@ -124,17 +124,52 @@ GK_INLINE gk_f32 gk_triangle_light_pdf(const GK_GLOBAL struct gk_light *light,
     return choice * t * t / (gk_max(cosine, 1e-7f) * area);
 }
 
-GK_INLINE gk_u32 gk_alias_choose(const GK_GLOBAL struct gk_alias *table, gk_u32 n, gk_f32 u,
-                                 gk_f32 v)
+// A pair of uniform numbers that is used up choice by choice: what remains of it is uniform again,
+// so that one well-stratified pair takes a light and a point on it.
+struct gk_light_pair {
+    gk_u32 u; // fraction of 2^32
+    gk_f32 v;
+    gk_f32 fine; // bits below the last of v and, after a choice, of u
+};
+
+// u, v: multiples of 2^-24 in [0, 1).
+GK_INLINE void gk_light_pair_make(struct gk_light_pair *r, gk_f32 u, gk_f32 v)
 {
-    const gk_i32 slot = (gk_i32)(u * (gk_f32)(gk_i32)n);
-    const gk_u32 i = (gk_u32)gk_max_i32(gk_min_i32(slot, (gk_i32)n - 1), 0);
+    const gk_u32 more = gk_mix32(gk_as_u32(u) ^ gk_mix32(gk_as_u32(v)));
+    r->u = ((gk_u32)(gk_i32)(u * 16777216.0f) << 8) | (more & 0xffu);
+    r->v = v;
+    r->fine = gk_unit_float(more);
+}
+
+// One of n slots by u; u: its place in that slot, from there on.
+GK_INLINE gk_u32 gk_light_pair_slot(struct gk_light_pair *r, gk_u32 n)
+{
+    const gk_u32 low = r->u * n;
+    const gk_u32 filled = low + (gk_u32)(gk_i32)(r->fine * (gk_f32)(gk_i32)n);
+    const gk_u32 slot = gk_mul_high(r->u, n) + (filled < low ? 1u : 0u);
+    r->u = filled;
+    return slot;
+}
+
+// Whether v is below `keep`, a whole number of 2^-24; v: its place on that side, from there on.
+GK_INLINE gk_i32 gk_light_pair_below(struct gk_light_pair *r, gk_f32 keep)
+{
+    const gk_i32 below = r->v < keep;
+    const gk_f32 from = below ? 0.0f : keep, width = below ? keep : 1.0f - keep;
+    const gk_f32 step = (r->v - from) * 16777216.0f + r->fine;
+    r->v = gk_min(step / gk_max(width * 16777216.0f, 1.0f), 1.0f - GK_UNIT);
+    return below;
+}
+
+GK_INLINE gk_u32 gk_alias_choose(const GK_GLOBAL struct gk_alias *table, gk_u32 n,
+                                 struct gk_light_pair *r)
+{
+    const gk_u32 i = gk_light_pair_slot(r, n);
 #ifdef GK_LIGHTS_UNIFORM
     (void)table;
-    (void)v;
     return i;
 #else
-    return v < table[i].keep ? i : table[i].other;
+    return gk_light_pair_below(r, table[i].keep) ? i : table[i].other;
 #endif
 }
 

@@ -22,10 +22,10 @@
 // 3..7: reserved for the camera
 #define GK_PAIRS_PER_BOUNCE 8u
 #define GK_PAIR_BOUNCE(bounce, k) (8u + (gk_u32)(bounce)*GK_PAIRS_PER_BOUNCE + (k))
-#define GK_PAIR_LIGHT_CHOICE 0u // u: which light, v: reserved
-#define GK_PAIR_LIGHT_POINT 1u
-#define GK_PAIR_LOBE 2u // u: which lobe, v: roulette
-#define GK_PAIR_BSDF 3u // direction
+#define GK_PAIR_LIGHT_CHOICE 0u // which cluster of lights
+#define GK_PAIR_LIGHT_POINT 1u  // which light, and where on it
+#define GK_PAIR_LOBE 2u         // u: which lobe, v: roulette
+#define GK_PAIR_BSDF 3u         // direction
 #define GK_PAIR_ALPHA 4u
 #define GK_PAIR_MEDIUM 5u       // u: distance, v: reserved
 #define GK_PAIR_LIGHT_MEMBER 6u // which light of its cluster
@@ -40,6 +40,16 @@ GK_INLINE gk_u32 gk_mix32(gk_u32 x)
     x *= 0x846ca68bu;
     x ^= x >> 16;
     return x;
+}
+
+// Upper half of a product.
+GK_INLINE gk_u32 gk_mul_high(gk_u32 a, gk_u32 b)
+{
+#ifdef GK_DEVICE
+    return mul_hi(a, b);
+#else
+    return (gk_u32)(((gk_u64)a * b) >> 32);
+#endif
 }
 
 GK_INLINE gk_u32 gk_reverse_bits(gk_u32 x)

@@ -88,21 +88,28 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
                                                  struct gk_lane lane, gk_u32 depth,
                                                  const struct gk_light_receiver *to)
 {
-    gk_f32 choice, keep, u, v;
-    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_CHOICE), &choice,
-                 &keep);
+    gk_f32 u, v;
     gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_POINT), &u, &v);
     const gk_f32 split = frame->env_choice;
     const gk_f32 table = 1.0f - split;
+    const gk_i32 sky = u < split;
+    const gk_f32 part = (u - (sky ? 0.0f : split)) / (sky ? split : gk_max(table, 1e-20f));
+    u = gk_clamp(part, 0.0f, 1.0f - GK_UNIT);
 #ifdef GK_LIGHT_TABLE
-    const gk_f32 scaled = gk_clamp((choice - split) / gk_max(table, 1e-20f), 0.0f, 1.0f);
-    const gk_u32 index = gk_alias_choose(lights->alias, frame->lights, scaled, keep);
+    struct gk_light_pair pair;
+    gk_light_pair_make(&pair, u, v);
+    const gk_u32 index = gk_alias_choose(lights->alias, frame->lights, &pair);
     const __global struct gk_light *light = lights->light + index;
     const gk_f32 chosen = gk_light_choice(light, frame->lights) * table;
-    struct gk_light_sample s = gk_light_from_table(light, to->keys, to->x, chosen, u, v);
+    struct gk_light_sample s =
+        gk_light_from_table(light, to->keys, to->x, chosen, gk_unit_float(pair.u), pair.v);
 #ifdef GK_LIGHT_GRID
-    struct gk_light_numbers numbers = {scaled, keep, 0.0f, 0.0f, u, v, 0.0f};
+    struct gk_light_numbers numbers;
     gk_f32 unused;
+    numbers.u = u;
+    numbers.v = v;
+    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_CHOICE),
+                 &numbers.choice, &numbers.keep);
     gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_MEMBER), &numbers.place,
                  &numbers.other);
     gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_PICK), &numbers.pick,
@@ -131,9 +138,10 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
     s.delta = 0;
 #endif
 #ifdef GK_ENVIRONMENT_IMAGE
-    const gk_i32 sky = choice < split;
-    const gk_f32 cell = gk_min(choice / gk_max(split, 1e-20f), 1.0f - GK_UNIT);
-    const struct gk_vec wi = gk_environment_sample(&lights->environment, cell, keep, u, v);
+    gk_f32 place, inside;
+    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_CHOICE), &place,
+                 &inside);
+    const struct gk_vec wi = gk_environment_sample(&lights->environment, u, v, place, inside);
     const struct gk_direction_uv at = gk_environment_uv(&lights->environment, wi);
     const gk_f32 pdf = gk_environment_pdf(&lights->environment, at) * split;
     s.wi = gk_vec_select(s.wi, wi, sky);

@@ -292,21 +292,53 @@ static void weights_of_two_techniques_sum_to_one(void **state)
     assert_true(gk_mis_weight(0.0f, 1.0f) == 0.0f && gk_mis_weight(INFINITY, 1.0f) == 1.0f);
 }
 
-static void alias_table_chooses_by_weight(void **state)
+// Which light, and the place on it, each in 8 x 8 parts: n = 10^6.
+static void one_pair_takes_a_light_by_weight_and_a_uniform_point_on_it(void **state)
 {
     (void)state;
-    static const struct gk_alias table[4] = {{0.4f, 3}, {1, 1}, {0.2f, 1}, {0.8f, 2}};
-    const double probability[4] = {0.1, 0.25 + 0.2, 0.05 + 0.05, 0.15 + 0.2};
-    uint32_t count[4] = {0};
+    enum { SIDE = 8, PARTS = SIDE * SIDE };
+    static const struct gk_alias table[5] = {
+        {0.40625f, 3}, {1, 1}, {0.1875f, 1}, {0.8125f, 2}, {0x1p-12f, 0}};
+    const double share[5] = {0.08125 + 0.2 * (1 - 0x1p-12), 0.2 + 0.1625, 0.0375 + 0.0375,
+                             0.1625 + 0.11875, 0.2 * 0x1p-12};
+    static uint32_t count[5 * PARTS];
+    static double probability[5 * PARTS];
     uint64_t seed = odds_seed(13);
+    memset(count, 0, sizeof count);
     for (int i = 0; i < N; i++) {
+        struct gk_light_pair r;
         const float u = check_uniform(&seed);
-        count[gk_alias_choose(table, 4, u, check_uniform(&seed))]++;
+        gk_light_pair_make(&r, u, check_uniform(&seed));
+        const uint32_t light = gk_alias_choose(table, 5, &r);
+        assert_true(light < 5 && r.v >= 0 && r.v < 1);
+        count[light * PARTS + (r.u >> 29) * SIDE + (uint32_t)(r.v * SIDE)]++;
     }
-    for (int k = 0; k < 4; k++)
-        assert_odds(count[k] - N * probability[k], sqrt(N * probability[k] * (1 - probability[k])),
-                    0);
-    assert_int_equal(gk_alias_choose(table, 4, 1.0f, 0.99f), 2);
+    for (int i = 0; i < 5 * PARTS; i++)
+        probability[i] = share[i / PARTS] / PARTS;
+    assert_odds_chi2(check_chi2(count, probability, 5 * PARTS, N));
+}
+
+// A million lights leave 4 of the 24 bits of u; the rest is filled.
+static void the_last_of_many_lights_is_taken_at_every_place(void **state)
+{
+    (void)state;
+    enum { LIGHTS = 1000000, PARTS = 64 };
+    uint32_t count[PARTS] = {0};
+    double probability[PARTS];
+    uint64_t seed = odds_seed(14);
+    for (int i = 0; i < N; i++) {
+        struct gk_light_pair r;
+        const float u = check_uniform(&seed);
+        gk_light_pair_make(&r, u, check_uniform(&seed));
+        assert_true(gk_light_pair_slot(&r, LIGHTS) < LIGHTS);
+        count[r.u >> 26]++;
+    }
+    for (int i = 0; i < PARTS; i++)
+        probability[i] = 1.0 / PARTS;
+    assert_odds_chi2(check_chi2(count, probability, PARTS, N));
+    struct gk_light_pair last;
+    gk_light_pair_make(&last, 1.0f - GK_UNIT, 0.99f);
+    assert_int_equal(gk_light_pair_slot(&last, LIGHTS), LIGHTS - 1);
 }
 
 int main(void)
@@ -323,7 +355,8 @@ int main(void)
         cmocka_unit_test(punctual_lights_fall_off_with_the_square),
         cmocka_unit_test(the_sun_is_infinitely_far_and_does_not_fall_off),
         cmocka_unit_test(weights_of_two_techniques_sum_to_one),
-        cmocka_unit_test(alias_table_chooses_by_weight),
+        cmocka_unit_test(one_pair_takes_a_light_by_weight_and_a_uniform_point_on_it),
+        cmocka_unit_test(the_last_of_many_lights_is_taken_at_every_place),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
