@@ -21,22 +21,6 @@ struct gk_light_sample {
     gk_f32 u, v;               // barycentrics of its second and third vertex
 };
 
-GK_INLINE struct gk_light_sample gk_light_sample_select(struct gk_light_sample a,
-                                                        struct gk_light_sample b, gk_i32 take_b)
-{
-    struct gk_light_sample s;
-    s.wi = gk_vec_select(a.wi, b.wi, take_b);
-    s.distance = take_b ? b.distance : a.distance;
-    s.L = gk_vec_select(a.L, b.L, take_b);
-    s.pdf = take_b ? b.pdf : a.pdf;
-    s.delta = take_b ? b.delta : a.delta;
-    s.triangle = take_b ? b.triangle : a.triangle;
-    s.material = take_b ? b.material : a.material;
-    s.u = take_b ? b.u : a.u;
-    s.v = take_b ? b.v : a.v;
-    return s;
-}
-
 // Power heuristic for a sample taken with pdf a where the other technique has pdf b (Veach 1997,
 // Eq. 9.13 with beta = 2), formed from the ratio so that neither square overflows.
 GK_INLINE gk_f32 gk_mis_weight(gk_f32 a, gk_f32 b)

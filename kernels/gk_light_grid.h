@@ -81,25 +81,20 @@ GK_INLINE gk_f32 gk_grid_choice(const struct gk_light_grid *g, gk_u32 light)
     return gk_as_f32(g->word[entry + 1u]) * gk_as_f32(g->word[owner + 1u]);
 }
 
-GK_INLINE gk_u32 gk_grid_slot(gk_f32 u, gk_u32 n)
+// Takes the cluster and the light in it; what is left of the pair is for the point.
+GK_INLINE struct gk_light_pick gk_grid_choose(const struct gk_light_grid *g,
+                                              struct gk_light_pair *r)
 {
-    const gk_i32 slot = gk_min_i32((gk_i32)(u * (gk_f32)(gk_i32)n), (gk_i32)n - 1);
-    return (gk_u32)gk_max_i32(slot, 0);
-}
-
-// (u, v) takes the cluster, (s, t) the light in it.
-GK_INLINE struct gk_light_pick gk_grid_choose(const struct gk_light_grid *g, gk_f32 u, gk_f32 v,
-                                              gk_f32 s, gk_f32 t)
-{
-    const gk_u32 slot = gk_grid_slot(u, g->clusters);
+    const gk_u32 slot = gk_light_pair_slot(r, g->clusters);
     const gk_u32 entry = g->word[g->cell + slot * GK_GRID_ENTRY];
-    const gk_i32 kept = v * GK_GRID_KEEP < (gk_f32)(gk_i32)(entry >> 16);
-    const gk_u32 cluster = kept ? slot : entry & 0xffffu;
+    const gk_f32 share = (gk_f32)(gk_i32)(entry >> 16) * (1.0f / GK_GRID_KEEP);
+    const gk_u32 cluster = gk_light_pair_below(r, share) ? slot : entry & 0xffffu;
     const gk_u32 record = g->first_cluster + cluster * GK_GRID_CLUSTER;
-    const gk_u32 place = g->word[record] + gk_grid_slot(s, g->word[record + 1u]);
+    const gk_u32 place = g->word[record] + gk_light_pair_slot(r, g->word[record + 1u]);
     const gk_u32 member = g->first_member + place * GK_GRID_MEMBER;
+    const gk_f32 keep = gk_as_f32(g->word[member]);
     struct gk_light_pick p;
-    p.light = g->word[member + (t < gk_as_f32(g->word[member]) ? 1u : 2u)];
+    p.light = g->word[member + (gk_light_pair_below(r, keep) ? 1u : 2u)];
     p.choice = gk_grid_choice(g, p.light);
     return p;
 }
@@ -115,44 +110,37 @@ GK_INLINE gk_f32 gk_light_promise(const struct gk_light_sample *s,
     return promise > 0.0f ? gk_min(promise, 1e36f) : 0.0f; // NaN too
 }
 
-// x + step, back into [0, 1): of uniform x, uniform again.
-GK_INLINE gk_f32 gk_turned(gk_f32 x, gk_f32 step)
-{
-    const gk_f32 y = x + step;
-    return y >= 1.0f ? y - 1.0f : y;
-}
-
-struct gk_light_numbers {
-    gk_f32 choice, keep; // cluster
-    gk_f32 place, other; // light in it
-    gk_f32 u, v;         // point on it
-    gk_f32 pick;         // one of sixteen
-};
-
 // Candidates seen so far: the one that is kept, and the sum of what all of them promise.
 struct gk_light_fold {
     struct gk_light_pick pick;
+    gk_f32 s, t; // the point on it
     gk_f32 promise, sum;
     gk_f32 u; // uniform still, whatever was kept
 };
 
-// Adds the candidate whose numbers are turned by `turn`; kept with probability promise / sum.
+// Adds the candidate whose first number is turned by `turn`/2^32; kept with probability promise / sum.
 GK_INLINE struct gk_light_fold gk_grid_fold(struct gk_light_fold f, const struct gk_light_grid *g,
                                             const GK_GLOBAL struct gk_light *light,
                                             const struct gk_light_receiver *to, gk_f32 share,
-                                            const struct gk_light_numbers *r, gk_f32 turn)
+                                            const struct gk_light_pair *r, gk_u32 turn)
 {
-    struct gk_light_pick c = gk_grid_choose(g, gk_turned(r->choice, turn), r->keep,
-                                            gk_turned(r->place, turn), gk_turned(r->other, turn));
+    struct gk_light_pair pair;
+    pair.u = r->u + turn;
+    pair.v = r->v;
+    pair.fine = r->fine;
+    struct gk_light_pick c = gk_grid_choose(g, &pair);
     c.choice *= share;
-    const struct gk_light_sample s =
-        gk_light_from_table(light + c.light, to->keys, to->x, c.choice, r->u, r->v);
-    const gk_f32 promise = gk_light_promise(&s, to), sum = f.sum + promise;
+    const gk_f32 s = gk_unit_float(pair.u), t = pair.v;
+    const struct gk_light_sample brings =
+        gk_light_from_table(light + c.light, to->keys, to->x, c.choice, s, t);
+    const gk_f32 promise = gk_light_promise(&brings, to), sum = f.sum + promise;
     const gk_f32 at = f.u * sum;
     const gk_i32 take = at < promise;
     struct gk_light_fold n;
     n.pick.light = take ? c.light : f.pick.light;
     n.pick.choice = take ? c.choice : f.pick.choice;
+    n.s = take ? s : f.s;
+    n.t = take ? t : f.t;
     n.promise = take ? promise : f.promise;
     n.sum = sum;
     const gk_f32 rest = take ? at / promise : (at - promise) / gk_max(f.sum, 1e-37f);
@@ -160,33 +148,36 @@ GK_INLINE struct gk_light_fold gk_grid_fold(struct gk_light_fold f, const struct
     return n;
 }
 
-// A light for the receiver; share: probability that the table is asked at all.
-GK_INLINE struct gk_light_sample gk_light_from_grid(const struct gk_light_grid *g,
-                                                    const GK_GLOBAL struct gk_light *light,
-                                                    const struct gk_light_receiver *to,
-                                                    gk_f32 share, const struct gk_light_numbers *r)
+// A light for the receiver, promise its own sum that of all sixteen; share: probability
+// that the table is asked at all. r: which lights, and where on them; u: which of those.
+GK_INLINE struct gk_light_fold gk_light_from_grid(const struct gk_light_grid *g,
+                                                  const GK_GLOBAL struct gk_light *light,
+                                                  const struct gk_light_receiver *to, gk_f32 share,
+                                                  const struct gk_light_pair *r, gk_f32 u)
 {
-    struct gk_light_fold f = {{0u, 0.0f}, 0.0f, 0.0f, r->pick};
-    f = gk_grid_fold(f, g, light, to, share, r, 0.0f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.0625f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.125f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.1875f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.25f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.3125f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.375f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.4375f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.5f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.5625f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.625f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.6875f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.75f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.8125f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.875f);
-    f = gk_grid_fold(f, g, light, to, share, r, 0.9375f);
-    struct gk_light_sample s =
-        gk_light_from_table(light + f.pick.light, to->keys, to->x, f.pick.choice, r->u, r->v);
-    s.L = gk_scale(s.L, f.promise > 0.0f ? 0.0625f * (f.sum / f.promise) : 0.0f);
-    return s;
+    struct gk_light_fold f = {{0u, 0.0f}, 0.0f, 0.0f, 0.0f, 0.0f, u};
+    f = gk_grid_fold(f, g, light, to, share, r, 0x00000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x10000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x20000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x30000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x40000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x50000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x60000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x70000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x80000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x90000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0xa0000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0xb0000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0xc0000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0xd0000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0xe0000000u);
+    return gk_grid_fold(f, g, light, to, share, r, 0xf0000000u);
+}
+
+// What the light that is kept is multiplied by.
+GK_INLINE gk_f32 gk_grid_weight(const struct gk_light_fold *f)
+{
+    return f->promise > 0.0f ? 0.0625f * (f->sum / f->promise) : 0.0f;
 }
 
 #endif

@@ -22,14 +22,14 @@
 // 3..7: reserved for the camera
 #define GK_PAIRS_PER_BOUNCE 8u
 #define GK_PAIR_BOUNCE(bounce, k) (8u + (gk_u32)(bounce)*GK_PAIRS_PER_BOUNCE + (k))
-#define GK_PAIR_LIGHT_CHOICE 0u // which cluster of lights
-#define GK_PAIR_LIGHT_POINT 1u  // which light, and where on it
+#define GK_PAIR_LIGHT_CHOICE 0u // where in a cell of the environment
+#define GK_PAIR_LIGHT_POINT 1u  // which light or cell, and where on the light
 #define GK_PAIR_LOBE 2u         // u: which lobe, v: roulette
 #define GK_PAIR_BSDF 3u         // direction
 #define GK_PAIR_ALPHA 4u
-#define GK_PAIR_MEDIUM 5u       // u: distance, v: reserved
-#define GK_PAIR_LIGHT_MEMBER 6u // which light of its cluster
-#define GK_PAIR_LIGHT_PICK 7u   // u: which of four lights, v: reserved
+#define GK_PAIR_MEDIUM 5u // u: distance, v: reserved
+// 6: reserved
+#define GK_PAIR_LIGHT_PICK 7u // u: which of sixteen lights, v: reserved
 
 // Bijective mixer of 32 bits. Source: Wellons, "lowbias32", github.com/skeeto/hash-prospector.
 GK_INLINE gk_u32 gk_mix32(gk_u32 x)

@@ -96,28 +96,28 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
     const gk_f32 part = (u - (sky ? 0.0f : split)) / (sky ? split : gk_max(table, 1e-20f));
     u = gk_clamp(part, 0.0f, 1.0f - GK_UNIT);
 #ifdef GK_LIGHT_TABLE
-    struct gk_light_pair pair;
-    gk_light_pair_make(&pair, u, v);
-    const gk_u32 index = gk_alias_choose(lights->alias, frame->lights, &pair);
-    const __global struct gk_light *light = lights->light + index;
-    const gk_f32 chosen = gk_light_choice(light, frame->lights) * table;
-    struct gk_light_sample s =
-        gk_light_from_table(light, to->keys, to->x, chosen, gk_unit_float(pair.u), pair.v);
+    struct gk_light_pair whole, pair;
+    gk_light_pair_make(&whole, u, v);
+    pair = whole;
+    gk_u32 index = gk_alias_choose(lights->alias, frame->lights, &pair);
+    gk_f32 chosen = gk_light_choice(lights->light + index, frame->lights) * table;
+    gk_f32 s1 = gk_unit_float(pair.u), s2 = pair.v;
 #ifdef GK_LIGHT_GRID
-    struct gk_light_numbers numbers;
-    gk_f32 unused;
-    numbers.u = u;
-    numbers.v = v;
-    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_CHOICE),
-                 &numbers.choice, &numbers.keep);
-    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_MEMBER), &numbers.place,
-                 &numbers.other);
-    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_PICK), &numbers.pick,
-                 &unused);
+    gk_f32 pick, unused;
+    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_PICK), &pick, &unused);
     const struct gk_light_grid grid = gk_light_grid_at(frame, lights->cells, to->x);
-    const struct gk_light_sample near =
-        gk_light_from_grid(&grid, lights->light, to, table, &numbers);
-    s = gk_light_sample_select(s, near, grid.clusters > 0u);
+    const struct gk_light_fold near =
+        gk_light_from_grid(&grid, lights->light, to, table, &whole, pick);
+    const gk_i32 in_grid = grid.clusters > 0u;
+    index = in_grid ? near.pick.light : index;
+    chosen = in_grid ? near.pick.choice : chosen;
+    s1 = in_grid ? near.s : s1;
+    s2 = in_grid ? near.t : s2;
+#endif
+    struct gk_light_sample s =
+        gk_light_from_table(lights->light + index, to->keys, to->x, chosen, s1, s2);
+#ifdef GK_LIGHT_GRID
+    s.L = gk_scale(s.L, in_grid ? gk_grid_weight(&near) : 1.0f);
 #endif
 #ifdef GK_TEXTURES
     const gk_u32 record = s.triangle == GK_NONE ? 0u : s.triangle;

@@ -155,9 +155,10 @@ static void choices_are_as_frequent_as_said(void **state)
     struct grid g = build(FEW, room);
     const struct gk_light_grid at = gk_light_grid_at(&g.frame, g.words, gk_vec(1, 0.5f, -2));
     for (int i = 0; i < N; i++) {
-        const float u = (float)(random_number() * 0.9999999),
-                    v = (float)(random_number() * 0.9999999);
-        count[gk_grid_choose(&at, u, v, 0.5f, (float)(random_number() * 0.9999999)).light]++;
+        struct gk_light_pair r;
+        const float u = (float)(random_number() * 0.9999999);
+        gk_light_pair_make(&r, u, (float)(random_number() * 0.9999999));
+        count[gk_grid_choose(&at, &r).light]++;
     }
     for (uint32_t i = 0; i < FEW; i++) {
         const double p = gk_grid_choice(&at, i);
