@@ -13,9 +13,9 @@
 // pdf, keep (of members) and share are floats. Probabilities are those that the rounded tables
 // really have.
 //
-// Of sixteen lights chosen so, one is kept in proportion to the unshadowed light that it brings
-// (resampled importance sampling, Talbot et al. 2005). MIS weighs by the density of the sixteen, which
-// is a function of the direction alone: any such weight is unbiased.
+// Of four lights chosen so, or of sixteen where clusters are many, one is kept in proportion to the
+// unshadowed light that it brings (resampled importance sampling, Talbot et al. 2005). MIS weighs by
+// the density of all of them, which is a function of the direction alone: any such weight is unbiased.
 #ifndef GK_LIGHT_GRID_H
 #define GK_LIGHT_GRID_H
 
@@ -26,6 +26,7 @@
 #define GK_GRID_MEMBER 3u
 #define GK_GRID_OWNER 2u
 #define GK_GRID_KEEP 65536.0f
+#define GK_GRID_MANY 1024u // clusters, from which on sixteen candidates pay
 
 struct gk_light_grid {
     const GK_GLOBAL gk_u32 *word;
@@ -99,6 +100,17 @@ GK_INLINE struct gk_light_pick gk_grid_choose(const struct gk_light_grid *g,
     return p;
 }
 
+// Whether sixteen candidates are drawn, and not four.
+GK_INLINE gk_i32 gk_grid_many(const struct gk_light_grid *g)
+{
+#ifdef GK_LIGHT_GRID_MANY
+    return g->clusters >= GK_GRID_MANY;
+#else
+    (void)g;
+    return 0;
+#endif
+}
+
 // What a sample would bring if nothing were in the way, over its density.
 GK_INLINE gk_f32 gk_light_promise(const struct gk_light_sample *s,
                                   const struct gk_light_receiver *to)
@@ -118,11 +130,13 @@ struct gk_light_fold {
     gk_f32 u; // uniform still, whatever was kept
 };
 
-// Adds the candidate whose first number is turned by `turn`/2^32; kept with probability promise / sum.
+// Adds the candidate whose first number is turned by `turn`/2^32, if it counts; kept with probability
+// promise / sum.
 GK_INLINE struct gk_light_fold gk_grid_fold(struct gk_light_fold f, const struct gk_light_grid *g,
                                             const GK_GLOBAL struct gk_light *light,
                                             const struct gk_light_receiver *to, gk_f32 share,
-                                            const struct gk_light_pair *r, gk_u32 turn)
+                                            const struct gk_light_pair *r, gk_u32 turn,
+                                            gk_i32 counts)
 {
     struct gk_light_pair pair;
     pair.u = r->u + turn;
@@ -133,9 +147,10 @@ GK_INLINE struct gk_light_fold gk_grid_fold(struct gk_light_fold f, const struct
     const gk_f32 s = gk_unit_float(pair.u), t = pair.v;
     const struct gk_light_sample brings =
         gk_light_from_table(light + c.light, to->keys, to->x, c.choice, s, t);
-    const gk_f32 promise = gk_light_promise(&brings, to), sum = f.sum + promise;
+    const gk_f32 promise = gk_light_promise(&brings, to);
+    const gk_f32 sum = f.sum + (counts ? promise : 0.0f);
     const gk_f32 at = f.u * sum;
-    const gk_i32 take = at < promise;
+    const gk_i32 take = counts && at < promise;
     struct gk_light_fold n;
     n.pick.light = take ? c.light : f.pick.light;
     n.pick.choice = take ? c.choice : f.pick.choice;
@@ -144,11 +159,11 @@ GK_INLINE struct gk_light_fold gk_grid_fold(struct gk_light_fold f, const struct
     n.promise = take ? promise : f.promise;
     n.sum = sum;
     const gk_f32 rest = take ? at / promise : (at - promise) / gk_max(f.sum, 1e-37f);
-    n.u = sum > 0.0f ? gk_clamp(rest, 0.0f, 1.0f - GK_UNIT) : f.u;
+    n.u = counts && sum > 0.0f ? gk_clamp(rest, 0.0f, 1.0f - GK_UNIT) : f.u;
     return n;
 }
 
-// A light for the receiver, promise its own sum that of all sixteen; share: probability
+// A light for the receiver, promise its own sum that of all; share: probability
 // that the table is asked at all. r: which lights, and where on them; u: which of those.
 GK_INLINE struct gk_light_fold gk_light_from_grid(const struct gk_light_grid *g,
                                                   const GK_GLOBAL struct gk_light *light,
@@ -156,28 +171,33 @@ GK_INLINE struct gk_light_fold gk_light_from_grid(const struct gk_light_grid *g,
                                                   const struct gk_light_pair *r, gk_f32 u)
 {
     struct gk_light_fold f = {{0u, 0.0f}, 0.0f, 0.0f, 0.0f, 0.0f, u};
-    f = gk_grid_fold(f, g, light, to, share, r, 0x00000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x10000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x20000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x30000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x40000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x50000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x60000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x70000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x80000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x90000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0xa0000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0xb0000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0xc0000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0xd0000000u);
-    f = gk_grid_fold(f, g, light, to, share, r, 0xe0000000u);
-    return gk_grid_fold(f, g, light, to, share, r, 0xf0000000u);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x00000000u, 1);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x40000000u, 1);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x80000000u, 1);
+    f = gk_grid_fold(f, g, light, to, share, r, 0xc0000000u, 1);
+#ifdef GK_LIGHT_GRID_MANY
+    const gk_i32 many = gk_grid_many(g);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x20000000u, many);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x60000000u, many);
+    f = gk_grid_fold(f, g, light, to, share, r, 0xa0000000u, many);
+    f = gk_grid_fold(f, g, light, to, share, r, 0xe0000000u, many);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x10000000u, many);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x30000000u, many);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x50000000u, many);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x70000000u, many);
+    f = gk_grid_fold(f, g, light, to, share, r, 0x90000000u, many);
+    f = gk_grid_fold(f, g, light, to, share, r, 0xb0000000u, many);
+    f = gk_grid_fold(f, g, light, to, share, r, 0xd0000000u, many);
+    f = gk_grid_fold(f, g, light, to, share, r, 0xf0000000u, many);
+#endif
+    return f;
 }
 
 // What the light that is kept is multiplied by.
-GK_INLINE gk_f32 gk_grid_weight(const struct gk_light_fold *f)
+GK_INLINE gk_f32 gk_grid_weight(const struct gk_light_grid *g, const struct gk_light_fold *f)
 {
-    return f->promise > 0.0f ? 0.0625f * (f->sum / f->promise) : 0.0f;
+    const gk_f32 each = gk_grid_many(g) ? 0.0625f : 0.25f;
+    return f->promise > 0.0f ? each * (f->sum / f->promise) : 0.0f;
 }
 
 #endif

@@ -29,7 +29,7 @@
 #define GK_PAIR_ALPHA 4u
 #define GK_PAIR_MEDIUM 5u // u: distance, v: reserved
 // 6: reserved
-#define GK_PAIR_LIGHT_PICK 7u // u: which of sixteen lights, v: reserved
+#define GK_PAIR_LIGHT_PICK 7u // u: which of the lights at hand, v: reserved
 
 // Bijective mixer of 32 bits. Source: Wellons, "lowbias32", github.com/skeeto/hash-prospector.
 GK_INLINE gk_u32 gk_mix32(gk_u32 x)

@@ -117,7 +117,7 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
     struct gk_light_sample s =
         gk_light_from_table(lights->light + index, to->keys, to->x, chosen, s1, s2);
 #ifdef GK_LIGHT_GRID
-    s.L = gk_scale(s.L, in_grid ? gk_grid_weight(&near) : 1.0f);
+    s.L = gk_scale(s.L, in_grid ? gk_grid_weight(&grid, &near) : 1.0f);
 #endif
 #ifdef GK_TEXTURES
     const gk_u32 record = s.triangle == GK_NONE ? 0u : s.triangle;

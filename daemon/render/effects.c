@@ -139,6 +139,11 @@ static bool calls_light_grid(const struct glint_effect_input *in)
     return in->facts->light_grid && in->job->dial[GLINT_DIAL_LIGHTS] == 0;
 }
 
+static bool calls_light_grid_many(const struct glint_effect_input *in)
+{
+    return in->facts->light_grid_many && calls_light_grid(in);
+}
+
 static bool calls_float64(const struct glint_effect_input *in)
 {
     return in->job->dial[GLINT_DIAL_PRECISION] == 0;
@@ -351,6 +356,12 @@ const struct glint_effect glint_effect_table[] = {
      .dial = GLINT_DIAL_LIGHTS,
      .called = calls_light_grid,
      .tables = TABLE(LIGHT_CELLS)},
+    {.name = GLINT_EFFECT_LIGHT_GRID_MANY,
+     .cause = "more than 1023 emitters, and accuracy.lights spatial",
+     .define = "GK_LIGHT_GRID_MANY",
+     .source = "Talbot et al. 2005",
+     .dial = GLINT_DIAL_LIGHTS,
+     .called = calls_light_grid_many},
     {.name = "uniform light choice",
      .cause = "accuracy.lights uniform",
      .define = "GK_LIGHTS_UNIFORM",

@@ -29,6 +29,7 @@ size_t glint_facts_effects(const struct glint_scene_facts *facts, const char **o
         {GLINT_EFFECT_EMISSION, facts->emission},
         {GLINT_EFFECT_LIGHT_TABLE, facts->light_table},
         {GLINT_EFFECT_LIGHT_GRID, facts->light_grid},
+        {GLINT_EFFECT_LIGHT_GRID_MANY, facts->light_grid_many},
         {GLINT_EFFECT_ENVIRONMENT_CONSTANT, facts->environment_constant},
         {GLINT_EFFECT_ENVIRONMENT_IMAGE, facts->environment_image},
     };

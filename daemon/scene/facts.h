@@ -32,6 +32,7 @@
 #define GLINT_EFFECT_EMISSION "emission"
 #define GLINT_EFFECT_LIGHT_TABLE "light table"
 #define GLINT_EFFECT_LIGHT_GRID "light grid"
+#define GLINT_EFFECT_LIGHT_GRID_MANY "light grid of many"
 #define GLINT_EFFECT_ENVIRONMENT_CONSTANT "constant environment"
 #define GLINT_EFFECT_ENVIRONMENT_IMAGE "environment image"
 
@@ -42,7 +43,8 @@ struct glint_scene_facts {
     bool specular, clearcoat, collimation;
     bool rough; // light can meet several facets
     bool solids, nested, medium, culling, blend, motion;
-    bool emission, light_table, light_grid, environment_constant, environment_image;
+    bool emission, light_table, light_grid, light_grid_many;
+    bool environment_constant, environment_image;
     uint32_t texture_pools;
     uint32_t mattes; // keys of ID coverage: 0, the background and every name
 };

@@ -1,4 +1,5 @@
 // lights.c - the table of everything that next-event estimation can choose, and how often it does.
+#include "kernels/gk_light_grid.h"
 #include "scene/alias.h"
 #include "scene/internal.h"
 #include "scene/light_grid.h"
@@ -209,6 +210,7 @@ static glint_status choose_where(struct glint_resident *r, const double *power,
                                                  r->lights, r->half};
     size_t count;
     glint_status st = glint_light_grid_build(&words, &count, &r->lighting, &order, err);
+    r->facts.light_grid_many = !st && r->lighting.grid_clusters >= GK_GRID_MANY;
     if (!st)
         st = glint_buffer_create(&r->table[GLINT_TABLE_LIGHT_CELLS], r->devices,
                                  count * sizeof *words, err);

@@ -105,6 +105,7 @@ bool glint_share_lights(struct glint_resident *r)
     r->lights = r->stats.lights = r->from->lights;
     r->facts.light_table = r->from->facts.light_table;
     r->facts.light_grid = r->from->facts.light_grid;
+    r->facts.light_grid_many = r->from->facts.light_grid_many;
     r->lighting = r->from->lighting; // the environment's members are filled anew
     memset(r->lighting.environment, 0, sizeof r->lighting.environment);
     return true;

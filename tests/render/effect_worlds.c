@@ -29,6 +29,7 @@ static const struct effect_world dark = {"'environment':{'radiance':[0,0,0]},", 
                                          24};
 static const struct effect_world bulb = {POINT, "'ior':1", "", "", 24};
 static const struct effect_world shining = {"", "'ior':1,'emission':[1,1,1]", "", "", 24};
+static const struct effect_world crowd = {"", "'ior':1,'emission':[1,1,1]", "", "", 64};
 static const struct effect_world clear = {SKY, "'ior':1,'transmission':1", "", "", 24};
 static const struct effect_world smooth = {SKY, "'roughness':0", "", "", 24};
 static const struct effect_world metal = {SKY, "'ior':1,'metallic':1", "", "", 24};
@@ -128,6 +129,7 @@ const struct effect_forcing effect_forcings[] = {
     {"motion", &effect_lamp, ""},
     {"camera motion", &effect_sky, ""},
     {"light grid", &effect_lamp, ""},
+    {"light grid of many", &shining, ""},
     {"orthographic view", &effect_sky, ""},
     {"motion vectors", &effect_sky, "first-hit AOVs"},
     {"first-hit AOVs", &effect_sky, ""},
@@ -239,6 +241,10 @@ const struct effect_cause effect_causes[] = {
      {"", "'ior':1,'emission':[1,1,1]", "", "", 24},
      {"'beauty'", "box", "", 0},
      "emission|light grid|light table"},
+    {"light grid of many",
+     {"", "'ior':1,'emission':[1,1,1]", "", "", 64},
+     {"'beauty'", "box", "", 0},
+     "emission|light grid of many|light grid|light table"},
     {"orthographic view",
      {SKY, "'ior':1", ",'projection':'orthographic','ymag':2", "", 24},
      BEAUTY,
@@ -322,6 +328,7 @@ static const struct effect_comparison comparison[] = {
     {"inside of solids", &clear, &effect_beauty},
     {"nested dielectrics", &clear, &effect_beauty},
     {"light grid", &shining, &by_power},
+    {"light grid of many", &crowd, &by_power},
     {"emission", &dark, &straight},
     {"light table", &dark, &straight},
     {"next-event estimation", &dark, &effect_beauty},
