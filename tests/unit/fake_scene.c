@@ -192,7 +192,7 @@ bool glint_resident_has_geometry(const glint_resident *resident, enum glint_geom
     (void)resident;
     (void)kind;
     (void)robust;
-    return true;
+    return false;
 }
 
 const struct glint_scene_facts *glint_resident_facts(const glint_resident *resident)

@@ -65,7 +65,7 @@ struct glint_film_header film_header(struct glint_job *job)
                    .samples = 8,
                    .tiles_log2 = 0,
                    .target = 20,
-                   .estimate = {0.25, 0.125, 0.5, 0.375, NAN},
+                   .estimate = {0.25, 0.125, 0.5, 0.375, NAN, NAN},
                    .worker_seconds = 1.5,
                    .camera_rays = 123456789012,
                    .count = {5, 4, 3, 2, 1, 77, 9007199254740992},
