@@ -366,9 +366,9 @@ def test_a_job_shows_its_error_its_forecast_and_what_was_chosen():
         assert "accuracy.gi none" in told["Not in the error"]
         assert told["Known bias"].startswith("0.1000, with the error 0.")
         name = daemon.submit(**job(accuracy={"gi": "none"}, max_bounces=1, outputs=["beauty"],
-                                   stop={"error": 0.1, "samples": 100000}))
+                                   stop={"error": 0.001, "samples": 1000000}))
         page.run("location.hash = arguments[0]; location.reload()", name)
-        page.until(lambda: facts(page).get("Forecast") == "0.1000 is unreachable with these settings")
+        page.until(lambda: facts(page).get("Forecast") == "0.001000 is unreachable with these settings")
         assert "Chosen" not in facts(page)
 
 
