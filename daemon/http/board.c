@@ -299,16 +299,18 @@ static int by_sequence(const void *a, const void *b)
     return x->sequence < y->sequence ? -1 : x->sequence > y->sequence;
 }
 
-// Tiles that changed since they were posted, in order; malloc'd, NULL without memory.
+// Tiles that changed since they were posted, in order; malloc'd, NULL without memory. What changes
+// while they are listed is left for the next list, or that one would have sequences below this one's.
 static struct entry *list_changed(const struct glint_board *b, const glint_render *render,
                                   size_t *count)
 {
+    const uint64_t newest = glint_render_newest_version(render);
     struct entry *changed = malloc(b->tiles * sizeof *changed);
     *count = 0;
     for (uint32_t t = 0; changed && t < b->tiles; t++) {
         const uint64_t version = glint_render_tile_version(render, t);
         const uint64_t sequence = (b->start + version) * b->tiles + t;
-        if (version && sequence > b->tile[t].sequence)
+        if (version && version <= newest && sequence > b->tile[t].sequence)
             changed[(*count)++] = (struct entry){sequence, t};
     }
     if (changed)

@@ -291,6 +291,14 @@ uint32_t glint_film_samples(glint_film *f, uint32_t tile)
     return samples;
 }
 
+uint64_t glint_film_newest(glint_film *f)
+{
+    pthread_mutex_lock(&f->mutex);
+    const uint64_t sequence = f->sequence;
+    pthread_mutex_unlock(&f->mutex);
+    return sequence;
+}
+
 uint64_t glint_film_version(glint_film *f, uint32_t column, uint32_t row, uint32_t w, uint32_t h)
 {
     const uint32_t right = smaller(column + w, f->columns), bottom = smaller(row + h, f->rows);

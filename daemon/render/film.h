@@ -99,6 +99,8 @@ size_t glint_film_tile_bytes(const glint_film *film);
 void glint_film_put(glint_film *film, uint32_t tile, const uint32_t *memory, uint32_t samples);
 
 uint32_t glint_film_samples(glint_film *film, uint32_t tile);
+// Of the last release that added samples: of what the film holds, nothing is newer.
+uint64_t glint_film_newest(glint_film *film);
 // Of the tiles [column, column + w) x [row, row + h), clipped to the film: grows with every release
 // that added samples to one of them, while all have some. While some are coarse it is that of the
 // last of those; 0 while one has nothing of the epoch.

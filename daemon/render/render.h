@@ -128,6 +128,8 @@ size_t glint_render_convergence(const glint_render *render, struct glint_converg
 uint32_t glint_render_tiles(const glint_render *render);
 void glint_render_tile_rect(const glint_render *render, uint32_t tile, uint32_t rect[4]);
 uint64_t glint_render_tile_version(const glint_render *render, uint32_t tile);
+// No tile's version is above it now; what a tile shows from now on has versions above it.
+uint64_t glint_render_newest_version(const glint_render *render);
 
 // The frame, or the tile, as it stands: every pixel consistent, complete with all attributes of
 // CONVENTIONS b. `outputs` selects (a subset of the job's). Tiles: beauty as half RGBA.

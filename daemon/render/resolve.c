@@ -116,6 +116,11 @@ uint64_t glint_render_tile_version(const glint_render *r, uint32_t tile)
                               tile / client_columns(r) * side, side, side);
 }
 
+uint64_t glint_render_newest_version(const glint_render *r)
+{
+    return r->archive ? 1 : glint_film_newest(r->film);
+}
+
 // A tile or less: as it is in the file, or now. Now it is read in place: its film tiles are locked
 // one after the other.
 struct spot {

@@ -31,6 +31,7 @@ struct glint_render {
     uint32_t tiles;
     _Atomic uint64_t version[MAX_TILES];
     _Atomic uint64_t versions;
+    atomic_bool races; // the first tile and then the last change while versions are read
 };
 
 struct fake_job {
@@ -119,14 +120,27 @@ void fake_job_prepare(glint_jobs *jobs, const char *id)
     unlock_changed(jobs, job);
 }
 
+static void renew(struct glint_render *r, uint32_t tile)
+{
+    atomic_store(&r->version[tile], atomic_fetch_add(&r->versions, 1) + 1);
+}
+
 void fake_job_render(glint_jobs *jobs, const char *id, uint32_t tile)
 {
     struct fake_job *job = lock(jobs, id);
     struct glint_render *r = &job->render;
     for (uint32_t t = 0; t < r->tiles; t++)
         if (tile == UINT32_MAX || tile == t)
-            atomic_store(&r->version[t], atomic_fetch_add(&r->versions, 1) + 1);
+            renew(r, t);
     unlock_changed(jobs, job);
+}
+
+void fake_job_race(glint_jobs *jobs, const char *id, uint32_t tile)
+{
+    struct fake_job *job = lock(jobs, id);
+    atomic_store(&job->render.races, true);
+    pthread_mutex_unlock(&jobs->mutex);
+    fake_job_render(jobs, id, tile);
 }
 
 void fake_job_set_state(glint_jobs *jobs, const char *id, enum glint_job_state state)
@@ -340,7 +354,18 @@ void glint_render_tile_rect(const glint_render *render, uint32_t tile, uint32_t 
 
 uint64_t glint_render_tile_version(const glint_render *render, uint32_t tile)
 {
-    return atomic_load(&render->version[tile]);
+    struct glint_render *r = (struct glint_render *)render;
+    const uint64_t version = atomic_load(&r->version[tile]);
+    if (tile == 0 && atomic_exchange(&r->races, false)) {
+        renew(r, 0);
+        renew(r, r->tiles - 1);
+    }
+    return version;
+}
+
+uint64_t glint_render_newest_version(const glint_render *render)
+{
+    return atomic_load(&render->versions);
 }
 
 static glint_status make_frame(glint_render *r, uint32_t first, uint32_t tiles,

@@ -25,6 +25,9 @@ void fake_job_last(glint_jobs *jobs, char id[GLINT_JOB_ID_BYTES]);
 void fake_job_prepare(glint_jobs *jobs, const char *id);
 // A new version of one tile, or of all (UINT32_MAX).
 void fake_job_render(glint_jobs *jobs, const char *id, uint32_t tile);
+// The same, and while its version is looked for, the first tile and then the last get new ones too:
+// the first when it has been looked at already.
+void fake_job_race(glint_jobs *jobs, const char *id, uint32_t tile);
 void fake_job_set_state(glint_jobs *jobs, const char *id, enum glint_job_state state);
 void fake_job_warn(glint_jobs *jobs, const char *id, const char *text);
 

@@ -188,6 +188,30 @@ static void a_slow_reader_skips_versions_but_ends_with_the_newest(void **state)
     close_stream(&c);
 }
 
+static void tiles_that_change_while_others_are_listed_come_once_and_later(void **state)
+{
+    (void)state;
+    char id[GLINT_JOB_ID_BYTES];
+    struct client c;
+    http_submit_prepared(id);
+    fake_job_render(http_house.jobs, id, UINT32_MAX);
+    open_stream(&c, id, "");
+    while (!c.parts.count[HTTP_TILES - 1])
+        read_some(&c);
+    fake_job_race(http_house.jobs, id, 3);
+    while (c.parts.count[3] < 2)
+        read_some(&c);
+    fake_job_set_state(http_house.jobs, id, GLINT_JOB_DONE);
+    while (!c.over && c.parts.ordered)
+        read_some(&c);
+    assert_true(c.parts.ordered);
+    for (int t = 0; t < HTTP_TILES; t++)
+        assert_int_equal(t == 0 || t == 3 || t == HTTP_TILES - 1 ? 2 : 1, c.parts.count[t]);
+    assert_true(c.parts.value[0] == HTTP_TILES + 2);
+    assert_true(c.parts.value[HTTP_TILES - 1] == HTTP_TILES + 3);
+    close_stream(&c);
+}
+
 static void a_reader_that_takes_nothing_is_ended(void **state)
 {
     (void)state;
@@ -450,6 +474,7 @@ int main(void)
         CLAIM(head_of_a_stream_has_no_body),
         CLAIM(a_stream_opened_before_the_first_pixel_gets_it),
         CLAIM(a_slow_reader_skips_versions_but_ends_with_the_newest),
+        CLAIM(tiles_that_change_while_others_are_listed_come_once_and_later),
         CLAIM(a_cursor_of_another_time_starts_from_the_first_tile),
         CLAIM(a_client_without_chunks_gets_its_stream_too),
         IMPATIENT(a_reader_that_takes_nothing_is_ended),
