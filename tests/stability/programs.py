@@ -52,6 +52,15 @@ def _workers_of(path, workers):
         return workers if b"GLINT_TEST_WORKERS" in file.read() else "any"
 
 
+def alone(claim, folder):
+    """Of the environment: has a program run one claim and no other. folder: for what that takes."""
+    preload = os.path.join(folder, "filter.so")
+    if not os.path.exists(preload):
+        subprocess.run(["cc", "-shared", "-fPIC", "-o", preload,
+                        tap.source("tests", "mutation", "filter.c"), "-lcmocka"], check=True)
+    return {"MUTATION_CLAIM": claim, "LD_PRELOAD": preload}
+
+
 def _newer(path, than):
     return os.path.exists(path) and os.path.getmtime(path) >= os.path.getmtime(than)
 
