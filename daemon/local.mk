@@ -349,6 +349,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/store_recall.c \
 	daemon/scene/tangents.c \
 	daemon/scene/textures.c \
+	daemon/scene/ties.c \
 	daemon/scene/words.c \
 	daemon/scene/words.h
 nodist_libglintdaemon_a_SOURCES = clients/web/embedded.c kernels/embedded.c protocol/contract.c \

@@ -29,6 +29,7 @@ struct glint_body {
 };
 struct glint_world {
     struct structure s;
+    uint32_t *ring; // owned, glint_world_tie()
 };
 
 struct glint_geometry {
@@ -293,8 +294,10 @@ glint_world *glint_world_retain(glint_world *world)
 
 void glint_world_release(glint_world **world)
 {
-    if (*world && structure_release(&(*world)->s))
+    if (*world && structure_release(&(*world)->s)) {
+        free((*world)->ring);
         free(*world);
+    }
     *world = NULL;
 }
 
@@ -328,6 +331,11 @@ glint_status glint_world_place(glint_world *world, uint32_t row, glint_body *bod
     rtcAttachGeometryByID(world->s.scene, geometry, row);
     rtcReleaseGeometry(geometry);
     return refused(world->s.tracer, err);
+}
+
+void glint_world_tie(glint_world *world, uint32_t *ring)
+{
+    world->ring = ring;
 }
 
 // ---- views
@@ -368,6 +376,31 @@ static void query_init(struct query *q, const glint_geometry *g)
 #define COLUMN(k) (wave + (size_t)(k)*stride)
 #define COLUMN_U32(k) ((uint32_t *)COLUMN(k))
 
+// The first row that lies where the hit one does and has no hole there.
+static uint32_t first_of_tie(const glint_geometry *g, uint32_t row, uint32_t primitive, float u,
+                             float v, uint32_t key)
+{
+    const uint32_t *ring = g->world->ring;
+    uint32_t first = row;
+    for (uint32_t k = ring[row]; k != row; k = ring[k])
+        if (k < first && !g->hole(g->user, k, primitive, u, v, chance_of(key, k, primitive)))
+            first = k;
+    return first;
+}
+
+static void settle_ties(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n)
+{
+    const uint32_t *key = COLUMN_U32(GK_COL_PASSAGE), *primitive = COLUMN_U32(GK_COL_PRIMITIVE);
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t *instance = COLUMN_U32(GK_COL_INSTANCE) + i;
+        uint32_t *row =
+            *instance != RTC_INVALID_GEOMETRY_ID ? instance : COLUMN_U32(GK_COL_GEOMETRY) + i;
+        if (*row != RTC_INVALID_GEOMETRY_ID && COLUMN(GK_COL_T)[i] >= 0.0f)
+            *row = first_of_tie(g, *row, primitive[i], COLUMN(GK_COL_U)[i], COLUMN(GK_COL_V)[i],
+                                key[i]);
+    }
+}
+
 void glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n)
 {
     struct query q;
@@ -387,6 +420,8 @@ void glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t st
                 {COLUMN_U32(GK_COL_INSTANCE)}},
     };
     rtcIntersectNp(g->world->s.scene, &q.context, &rays, n);
+    if (g->world->ring)
+        settle_ties(g, wave, stride, n);
 }
 
 void glint_geometry_shadow_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n)

@@ -70,6 +70,11 @@ glint_status glint_world_add_mesh(glint_world *world, uint32_t row,
 glint_status glint_world_place(glint_world *world, uint32_t row, glint_body *body,
                                const float *transform, uint32_t keys, struct glint_error *err);
 
+// Rows that are one mesh in one place: of those that a ray meets there the first is hit, which is no
+// matter of the structure's. ring: [rows], from each to the next of its place, and from the last to
+// the first; a row alone to itself. NULL: all are alone. Taken.
+void glint_world_tie(glint_world *world, uint32_t *ring);
+
 // Whether a ray passes the surface at (u, v) of a primitive: called from tracing threads. chance:
 // 32 random bits, the same whenever that ray meets that primitive.
 typedef bool glint_geometry_hole(const void *user, uint32_t row, uint32_t primitive, float u,

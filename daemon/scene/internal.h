@@ -115,6 +115,9 @@ glint_status glint_resident_build_lights(struct glint_resident *r, struct glint_
 glint_status glint_resident_build_environment(struct glint_resident *r, struct glint_error *err);
 glint_status glint_resident_build_geometry(struct glint_resident *r, enum glint_geometry_kind kind,
                                            bool robust, struct glint_error *err);
+// For glint_world_tie(): rows of one mesh with the bits of one transform, or of one motion.
+glint_status glint_ties_find(uint32_t **ring, const struct glint_resident *r,
+                             struct glint_error *err);
 
 // The buffer of r->from becomes that of r.
 void glint_share_table(struct glint_resident *r, enum glint_table table);

@@ -113,6 +113,10 @@ static glint_status fill_world(glint_world *world, void *user, struct glint_erro
             st = place_row(f, world, i, err);
         else if (f->r->kept[f->r->row[i].kept].triangles)
             st = bake_row(f, world, i, err);
+    uint32_t *ring = NULL;
+    if (!st)
+        st = glint_ties_find(&ring, f->r, err);
+    glint_world_tie(world, ring);
     return st;
 }
 

@@ -83,25 +83,36 @@ static void degenerate_triangles_are_dropped_counted_and_unseen(void **state)
 
 // ---- coincident surfaces
 
-// Two balls in one place. `order`: which comes first in the file.
-static struct glint_frame *coincident(const struct offline *with, int order, const char *other)
+// Balls of these materials in one place, in this order in the file; NULL: none. live: traced as live
+// jobs are, who place what others bake.
+static struct glint_frame *balls(const struct offline *with, const char *first, const char *second,
+                                 bool live)
 {
-    char *a = stable_text("'a':{'mesh':'s','material':'red','object':'ball'}");
-    char *b = stable_text("'b':{'mesh':'s','material':'%s','object':'ball'}", other);
+    static const char ball[] = "{'mesh':'s','object':'ball','transform':{'rotation':[0.3,0.1,0.2,"
+                               "0.9]},'material'";
+    char *other = second ? stable_text(",'b':%s:'%s'}", ball, second) : stable_text("%s", "");
     struct glint_frame *f = stable_frame(
         with,
         stable_text(
             "{'environment':{'radiance':[1,1,1]},'objects':{'ball':{}},"
-            "'materials':{'red':{'base_color':[0.8,0.1,0.1]},'blue':{'base_color':[0.1,0.1,0.8]}},"
-            "'meshes':{'s':{'primitive':'sphere','segments':120}},'instances':{%s,%s},"
+            "'materials':{'red':{'base_color':[0.8,0.1,0.1]},'blue':{'base_color':[0.1,0.1,0.8]},"
+            "'gone':{'alpha_mode':'mask','opacity':0}},"
+            "'meshes':{'s':{'primitive':'sphere','segments':120}},'instances':{'a':%s:'%s'}%s},"
             "'cameras':{'eye':{'yfov':0.6,'transform':{'translation':[0,0,4]}}}}",
-            order ? b : a, order ? a : b),
+            ball, first, other),
         stable_text(
             "{'scene':'s','outputs':['beauty','crypto_object','crypto_material','depth','normal'],"
-            "'resolution':[48,48],'max_bounces':3,'stop':{'samples':8}}"));
-    free(a);
-    free(b);
+            "'live':%s,'resolution':[48,48],'max_bounces':3,'stop':{'samples':8}}",
+            live ? "true" : "false"));
+    free(other);
     return f;
+}
+
+static void assert_same_and_destroy(struct glint_frame *f, struct glint_frame *g)
+{
+    stable_assert_same(f, g);
+    glint_frame_destroy(&f);
+    glint_frame_destroy(&g);
 }
 
 static void coincident_surfaces_show_the_same_for_any_number_of_workers(void **state)
@@ -112,7 +123,7 @@ static void coincident_surfaces_show_the_same_for_any_number_of_workers(void **s
     for (uint32_t n = 0; n < 3; n++) {
         struct offline crew;
         offline_start(&crew, workers[n]);
-        frame[n] = coincident(&crew, 0, "blue");
+        frame[n] = balls(&crew, "red", "blue", false);
         offline_finish(&crew);
     }
     stable_assert_same(frame[0], frame[1]);
@@ -124,11 +135,27 @@ static void coincident_surfaces_show_the_same_for_any_number_of_workers(void **s
 static void order_of_equal_coincident_instances_does_not_matter(void **state)
 {
     (void)state;
-    struct glint_frame *f = coincident(&offline_crew, 0, "red"),
-                       *g = coincident(&offline_crew, 1, "red");
-    stable_assert_same(f, g);
-    glint_frame_destroy(&f);
-    glint_frame_destroy(&g);
+    assert_same_and_destroy(balls(&offline_crew, "red", "red", false),
+                            balls(&offline_crew, "red", NULL, false));
+}
+
+static void of_placements_in_one_place_the_first_in_the_file_is_seen(void **state)
+{
+    (void)state;
+    for (int live = 0; live < 2; live++) {
+        assert_same_and_destroy(balls(&offline_crew, "red", "blue", live),
+                                balls(&offline_crew, "red", NULL, live));
+        assert_same_and_destroy(balls(&offline_crew, "blue", "red", live),
+                                balls(&offline_crew, "blue", NULL, live));
+    }
+}
+
+static void where_the_first_of_them_has_a_hole_the_next_is_seen(void **state)
+{
+    (void)state;
+    for (int live = 0; live < 2; live++)
+        assert_same_and_destroy(balls(&offline_crew, "gone", "blue", live),
+                                balls(&offline_crew, "blue", NULL, live));
 }
 
 // ---- scale and place
@@ -236,6 +263,8 @@ int main(void)
         cmocka_unit_test(degenerate_triangles_are_dropped_counted_and_unseen),
         cmocka_unit_test(coincident_surfaces_show_the_same_for_any_number_of_workers),
         cmocka_unit_test(order_of_equal_coincident_instances_does_not_matter),
+        cmocka_unit_test(of_placements_in_one_place_the_first_in_the_file_is_seen),
+        cmocka_unit_test(where_the_first_of_them_has_a_hole_the_next_is_seen),
         cmocka_unit_test(decimal_scales_keep_the_picture),
         cmocka_unit_test(far_places_keep_the_picture),
         cmocka_unit_test(faces_do_not_meet_themselves_wherever_they_are),
