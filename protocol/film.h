@@ -78,7 +78,7 @@ float glint_film_mean(const float *planes, bool wide, uint32_t half, uint32_t ch
                       uint32_t n);
 
 // A frame over a rectangle of the display window inside the region: complete with all attributes of
-// CONVENTIONS b. outputs: a subset of the job's. *samples: fewest among its pixels.
+// CONVENTIONS b. While tiles are coarse it starts at a corner of one. outputs: a subset of the job's. *samples: fewest among its pixels.
 glint_status glint_film_frame(const struct glint_film_source *source, const uint32_t rect[4],
                               uint32_t outputs, struct glint_frame **out, uint32_t *samples,
                               struct glint_error *err);

@@ -194,23 +194,40 @@ struct making {
 
 static void resolve_pixel(struct making *m, struct at *a, const struct glint_film_pixels *from)
 {
-    const bool own = glint_film_shown_as(from, a->i) == a->i;
-    a->i = glint_film_shown_as(from, a->i);
     a->half[0] = glint_film_samples_of(from, a->i, 0);
     a->half[1] = glint_film_samples_of(from, a->i, 1);
     a->samples = a->half[0] + a->half[1];
-    const uint32_t its = own ? a->samples : 0;
-    m->fewest = its < m->fewest ? its : m->fewest;
+    m->fewest = a->samples < m->fewest ? a->samples : m->fewest;
     if (!a->samples)
         return;
     resolve_colour(a, &m->planes);
     resolve_aovs(a, &m->planes);
     if (m->planes.samples)
-        m->planes.samples[a->out] = (float)its;
-    if (!from->table)
+        m->planes.samples[a->out] = (float)a->samples;
+    if (!from->table || !(m->planes.types || m->planes.sum[0]))
         return;
     a->tables = from->table;
     resolve_mattes(a, &m->planes, &m->ranks);
+}
+
+// A pixel without a sample of its own looks like another of its tile, but has none.
+static void repeat_pixel(struct making *m, size_t shown, size_t out)
+{
+    for (uint32_t c = 0; c < m->frame->channels; c++)
+        m->frame->channel[c].plane[out] = m->frame->channel[c].plane[shown];
+    if (m->planes.samples)
+        m->planes.samples[out] = 0.0f;
+    m->fewest = 0;
+}
+
+static bool is_inside(const struct glint_frame *f, int64_t x, int64_t y)
+{
+    return x >= 0 && y >= 0 && x < f->width && y < f->height;
+}
+
+static size_t place(const struct glint_frame *f, int64_t x, int64_t y)
+{
+    return (size_t)y * f->width + (size_t)x;
 }
 
 // The pixels of one film tile that lie in the frame.
@@ -224,11 +241,15 @@ static void resolve_tile(struct making *m, uint32_t tile, const struct glint_fil
         .info = info, .plane = from->planes, .in_one_run = !from->each || m->source->complete};
     for (uint32_t i = 0; i < GK_TILE_PIXELS; i++) {
         const int64_t x = x0 + i % GK_TILE_SIDE, y = y0 + i / GK_TILE_SIDE;
-        a.i = i;
-        if (x < 0 || y < 0 || x >= m->frame->width || y >= m->frame->height)
+        if (!is_inside(m->frame, x, y))
             continue;
-        a.out = (size_t)y * m->frame->width + (size_t)x;
-        resolve_pixel(m, &a, from);
+        a.i = glint_film_shown_as(from, i);
+        a.out = place(m->frame, x, y);
+        if (a.i == i)
+            resolve_pixel(m, &a, from);
+        else
+            repeat_pixel(m, place(m->frame, x0 + a.i % GK_TILE_SIDE, y0 + a.i / GK_TILE_SIDE),
+                         a.out);
     }
 }
 

@@ -11,6 +11,7 @@
 #include <time.h>
 
 #define ZIP_LEVEL 4
+#define COARSE_ZIP_LEVEL 1   // of pixels that others show too, and that the next tile replaces soon
 #define DIRECT_READERS 4     // so few are woken for each tile
 #define VERSIONS_A_SECOND 12 // as a power of two: more than a render makes
 // 2026: so that the sequences of 8K frames fit into the 53 bits of a browser's numbers until 2034.
@@ -218,14 +219,15 @@ const glint_stream_news *glint_board_news(const struct glint_board *board)
 static glint_status encode(const struct glint_job_view *view, uint32_t tile, uint8_t **bytes,
                            struct glint_multipart_head *head, struct glint_error *err)
 {
-    static const struct glint_exr_options options = {
-        .compression = GLINT_EXR_ZIP, .layout = GLINT_EXR_SINGLE, .zip_level = ZIP_LEVEL};
     struct glint_frame *frame = NULL;
     uint64_t version = 0;
     uint32_t samples = 0;
     size_t size = 0;
     glint_status st =
         glint_render_tile(view->render, tile, &frame, &samples, &version, head->revision, err);
+    const struct glint_exr_options options = {.compression = GLINT_EXR_ZIP,
+                                              .layout = GLINT_EXR_SINGLE,
+                                              .zip_level = samples ? ZIP_LEVEL : COARSE_ZIP_LEVEL};
     if (!st && version)
         st = glint_exr_write(frame, &options, bytes, &size, NULL, err);
     head->length = size;
