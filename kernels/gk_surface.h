@@ -46,7 +46,7 @@ GK_INLINE struct gk_vec gk_hit_emission(const struct gk_resident *r, const struc
 {
     const GK_GLOBAL struct gk_material *m = r->material + hit->material;
     struct gk_vec L = gk_vec(m->emission[0], m->emission[1], m->emission[2]);
-#ifdef GK_TEXTURES
+#if defined(GK_TEXTURES) && defined(GK_EMISSION_TEXTURES)
     const struct gk_texel e = gk_texture_at(&r->textures, m->emission_texture, hit->at);
     L = gk_mul(L, gk_vec(e.r, e.g, e.b));
 #endif
@@ -98,8 +98,10 @@ GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const st
     gk_f32 roughness = m->roughness;
 #ifdef GK_TEXTURES
     const struct gk_texel base = gk_texture_at(&r->textures, m->base_texture, hit->at);
-    const struct gk_texel rough = gk_texture_at(&r->textures, m->rough_texture, hit->at);
     s.base = gk_mul(s.base, gk_vec(base.r, base.g, base.b));
+#endif
+#if defined(GK_TEXTURES) && defined(GK_ROUGHNESS_TEXTURES)
+    const struct gk_texel rough = gk_texture_at(&r->textures, m->rough_texture, hit->at);
     s.metallic *= rough.b;
     roughness *= rough.g;
 #endif

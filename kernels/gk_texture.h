@@ -104,6 +104,8 @@ GK_INLINE struct gk_texel gk_texture_fetch(const struct gk_texture_pools *p, gk_
 {
     const gk_i32 none = index == GK_NONE;
     const GK_GLOBAL struct gk_texture *t = p->texture + (none ? 0u : index);
+    u = none ? 0.0f : u; // paths without a texture read one place, not all over the first
+    v = none ? 0.0f : v;
     const gk_u32 flags = t->flags, pool = t->pool;
 #ifdef GK_NEAREST_TEXELS
     const gk_i32 nearest = (flags & GK_TEXTURE_NEAREST) != 0u;

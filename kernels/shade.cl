@@ -119,7 +119,7 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
 #ifdef GK_LIGHT_GRID
     s.L = gk_scale(s.L, in_grid ? gk_grid_weight(&grid, &near) : 1.0f);
 #endif
-#ifdef GK_TEXTURES
+#if defined(GK_TEXTURES) && defined(GK_EMISSION_TEXTURES)
     const gk_u32 record = s.triangle == GK_NONE ? 0u : s.triangle;
     const gk_u32 texture =
         s.material == GK_NONE ? GK_NONE : scene->material[s.material].emission_texture;

@@ -39,6 +39,8 @@ CALLED_BY_FACT(motion)
 CALLED_BY_FACT(uv1)
 CALLED_BY_FACT(texture_transforms)
 CALLED_BY_FACT(nearest_texels)
+CALLED_BY_FACT(roughness_textures)
+CALLED_BY_FACT(emission_textures)
 CALLED_BY_FACT(layer_textures)
 CALLED_BY_FACT(vertex_colours)
 CALLED_BY_FACT(specular)
@@ -257,6 +259,18 @@ const struct glint_effect glint_effect_table[] = {
      .source = "glTF 2.0, 3.8.4.2",
      .dial = NO_DIAL,
      .called = calls_nearest_texels},
+    {.name = GLINT_EFFECT_ROUGHNESS_TEXTURES,
+     .cause = "a texture of metalness and roughness",
+     .define = "GK_ROUGHNESS_TEXTURES",
+     .source = "glTF 2.0, 5.22.5",
+     .dial = NO_DIAL,
+     .called = calls_roughness_textures},
+    {.name = GLINT_EFFECT_EMISSION_TEXTURES,
+     .cause = "a surface that emits with a texture",
+     .define = "GK_EMISSION_TEXTURES",
+     .source = "glTF 2.0, 5.19.7",
+     .dial = NO_DIAL,
+     .called = calls_emission_textures},
     {.name = GLINT_EFFECT_LAYER_TEXTURES,
      .cause = "a texture of transmission, specular or clearcoat",
      .define = "GK_LAYER_TEXTURES",

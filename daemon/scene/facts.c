@@ -14,6 +14,8 @@ size_t glint_facts_effects(const struct glint_scene_facts *facts, const char **o
         {GLINT_EFFECT_TEXTURE_TRANSFORMS, facts->texture_transforms},
         {GLINT_EFFECT_NEAREST_TEXELS, facts->nearest_texels},
         {GLINT_EFFECT_LAYER_TEXTURES, facts->layer_textures},
+        {GLINT_EFFECT_ROUGHNESS_TEXTURES, facts->roughness_textures},
+        {GLINT_EFFECT_EMISSION_TEXTURES, facts->emission_textures},
         {GLINT_EFFECT_VERTEX_COLOURS, facts->vertex_colours},
         {GLINT_EFFECT_SPECULAR, facts->specular},
         {GLINT_EFFECT_CLEARCOAT, facts->clearcoat},

@@ -17,6 +17,8 @@
 #define GLINT_EFFECT_TEXTURE_TRANSFORMS "texture transforms"
 #define GLINT_EFFECT_NEAREST_TEXELS "nearest texels"
 #define GLINT_EFFECT_LAYER_TEXTURES "layer textures"
+#define GLINT_EFFECT_ROUGHNESS_TEXTURES "roughness textures"
+#define GLINT_EFFECT_EMISSION_TEXTURES "emission textures"
 #define GLINT_EFFECT_VERTEX_COLOURS "vertex colours"
 #define GLINT_EFFECT_SPECULAR "specular"
 #define GLINT_EFFECT_CLEARCOAT "clearcoat"
@@ -39,6 +41,7 @@
 struct glint_scene_facts {
     bool microfacet, transmission, textures, normal_maps, instances, cutout;
     bool uv1, texture_transforms, nearest_texels, vertex_colours;
+    bool roughness_textures, emission_textures;
     bool layer_textures; // of transmission, specular or coat
     bool specular, clearcoat, collimation;
     bool rough; // light can meet several facets

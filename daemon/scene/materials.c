@@ -139,6 +139,11 @@ static void note_texture(struct glint_scene_facts *f, const struct glint_residen
     f->nearest_texels |= (t->flags & GK_TEXTURE_NEAREST) != 0;
 }
 
+static bool emits(const struct gk_material *m)
+{
+    return m->emission[0] > 0.0f || m->emission[1] > 0.0f || m->emission[2] > 0.0f;
+}
+
 static void note_textures(struct glint_scene_facts *f, const struct glint_resident *r,
                           const struct gk_material *m)
 {
@@ -153,6 +158,8 @@ static void note_textures(struct glint_scene_facts *f, const struct glint_reside
         note_texture(f, r, layer[i]);
         f->layer_textures |= layer[i] != GK_NONE;
     }
+    f->roughness_textures |= m->rough_texture != GK_NONE;
+    f->emission_textures |= m->emission_texture != GK_NONE && emits(m);
     f->normal_maps |= m->normal_texture != GK_NONE || m->coat_normal_texture != GK_NONE;
 }
 
@@ -174,7 +181,7 @@ static void note_facts(struct glint_scene_facts *f, const struct gk_material *m)
                      (m->flags & GK_MATERIAL_COATED) != 0;
     f->transmission |= m->transmission > 0.0f;
     f->collimation |= m->transmission > 0.0f && m->collimation < 1.0f;
-    f->emission |= m->emission[0] > 0.0f || m->emission[1] > 0.0f || m->emission[2] > 0.0f;
+    f->emission |= emits(m);
     f->cutout |= m->cutoff > 0.0f;
     f->culling |= (m->flags & GK_MATERIAL_CULLED) != 0;
     f->blend |= (m->flags & GK_MATERIAL_BLEND) != 0;

@@ -213,6 +213,8 @@ static void each_fact_calls_for_its_own_row(void **state)
         {{.motion = true}, "motion"},
         {{.transmission = true}, "transmission"},
         {{.textures = true}, "textures"},
+        {{.roughness_textures = true}, "roughness textures"},
+        {{.emission_textures = true}, "emission textures"},
         {{.normal_maps = true}, "normal maps"},
         {{.instances = true}, "instances"},
         {{.cutout = true}, "alpha cut-outs"},
