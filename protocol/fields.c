@@ -28,6 +28,16 @@ static bool read_choice(const struct glint_json *at, const struct glint_field *f
     return fine;
 }
 
+static bool read_count(const struct glint_json *at, const struct glint_field *f, uint32_t *to)
+{
+    if (!cJSON_IsString(at->value))
+        return glint_json_uint(at, (uint32_t)f->low, (uint32_t)f->high, to);
+    int choice;
+    const bool fine = glint_json_choice(at, f->choices, &choice);
+    *to = fine ? 0 : *to;
+    return fine;
+}
+
 static bool read_field(const struct glint_json *at, const struct glint_field *f,
                        struct glint_arena *arena, void *to)
 {
@@ -41,6 +51,8 @@ static bool read_field(const struct glint_json *at, const struct glint_field *f,
     case GLINT_FIELD_UINT:
         return f->count ? glint_json_uints(at, f->count, (uint32_t)f->low, (uint32_t)f->high, to)
                         : glint_json_uint(at, (uint32_t)f->low, (uint32_t)f->high, to);
+    case GLINT_FIELD_COUNT:
+        return read_count(at, f, to);
     case GLINT_FIELD_INT:
         return glint_json_int(at, (int32_t)f->low, (int32_t)f->high, to);
     case GLINT_FIELD_BOOL:
@@ -54,13 +66,19 @@ static bool read_field(const struct glint_json *at, const struct glint_field *f,
     }
 }
 
+bool glint_fields_read_one(const struct glint_json *at, const struct glint_field *f,
+                           struct glint_arena *arena, void *record)
+{
+    return read_field(at, f, arena, (char *)record + f->offset);
+}
+
 bool glint_fields_read_listed(const struct glint_json *object, const struct glint_field *fields,
                               struct glint_arena *arena, void *record)
 {
     bool fine = true;
     for (const struct glint_field *f = fields; f->kind; f++) {
         const struct glint_json at = glint_json_member(object, f->name);
-        fine &= read_field(&at, f, arena, (char *)record + f->offset);
+        fine &= glint_fields_read_one(&at, f, arena, record);
     }
     return fine;
 }
@@ -100,6 +118,12 @@ static void write_value(struct glint_text *t, const struct glint_field *f, const
             write_uints(t, from, f->count);
         else
             glint_text_print(t, "%u", *(const uint32_t *)from);
+        break;
+    case GLINT_FIELD_COUNT:
+        if (*(const uint32_t *)from)
+            glint_text_print(t, "%u", *(const uint32_t *)from);
+        else
+            glint_text_string(t, *f->choices);
         break;
     case GLINT_FIELD_INT:
         glint_text_print(t, "%d", *(const int32_t *)from);

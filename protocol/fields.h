@@ -14,6 +14,7 @@ enum glint_field_kind {
     GLINT_FIELD_FLOAT,  // float, or an array of `count` where that is not 0
     GLINT_FIELD_DOUBLE, // double
     GLINT_FIELD_UINT,   // uint32_t, likewise
+    GLINT_FIELD_COUNT,  // uint32_t, 0 by the only one of `choices`
     GLINT_FIELD_INT,    // int32_t
     GLINT_FIELD_BOOL,   // bool
     GLINT_FIELD_CHOICE, // an enum that counts from 0
@@ -47,6 +48,10 @@ bool glint_fields_read(const struct glint_json *object, const struct glint_field
 // The same where others look for unknown members.
 bool glint_fields_read_listed(const struct glint_json *object, const struct glint_field *fields,
                               struct glint_arena *arena, void *record);
+
+// A member that was found already.
+bool glint_fields_read_one(const struct glint_json *at, const struct glint_field *field,
+                           struct glint_arena *arena, void *record);
 
 // The members in the order of the table, without braces.
 void glint_fields_write(struct glint_text *text, const struct glint_field *fields,

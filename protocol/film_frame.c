@@ -1,5 +1,6 @@
 // film_frame.c - film tiles become frames: normalised planes with the channels and attributes of
 // CONVENTIONS b.
+#include "protocol/film_levels.h"
 #include "protocol/film_parts.h"
 
 #include "kernels/gk_film.h"
@@ -11,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_LAYERS 10 // levels / 2
+#define MAX_LAYERS (GLINT_MAX_LEVELS / 2)
 
 // Planes of the frame being made; NULL where an output is not asked for.
 struct planes {
@@ -20,6 +21,7 @@ struct planes {
     float *rank[GLINT_MAX_MATTE_TYPES][MAX_LAYERS][4];
     struct glint_matte_type type[GLINT_MAX_MATTE_TYPES];
     size_t types;
+    uint32_t layers; // of each
 };
 
 static bool add_planes(struct glint_frame *f, float **out, const char *const *name, int n,
@@ -31,16 +33,26 @@ static bool add_planes(struct glint_frame *f, float **out, const char *const *na
     return ok;
 }
 
+// Those of a type behind the layers that it has.
 static bool add_ranks(struct glint_frame *f, struct planes *p, uint32_t levels, size_t type)
 {
     static const char letter[4] = {'R', 'G', 'B', 'A'};
     bool ok = true;
-    for (uint32_t l = 0; l < (levels + 1) / 2; l++)
+    for (uint32_t l = p->layers; l < (levels + 1) / 2; l++)
         for (int k = 0; k < 4; k++) {
             char name[32];
             snprintf(name, sizeof name, "%s%02u.%c", p->type[type].name, l, letter[k]);
             ok &= (p->rank[type][l][k] = glint_frame_channel(f, name, GLINT_PIXEL_FLOAT)) != NULL;
         }
+    return ok;
+}
+
+static bool add_layers(struct glint_frame *f, struct planes *p, uint32_t levels)
+{
+    bool ok = true;
+    for (size_t t = 0; t < p->types; t++)
+        ok &= add_ranks(f, p, levels, t);
+    p->layers = (levels + 1) / 2;
     return ok;
 }
 
@@ -67,8 +79,7 @@ static glint_status make_planes(struct glint_frame *f, const struct glint_job *j
     ok &= !(outputs & GLINT_OUT_MOTION) || add_planes(f, p->flow, flow, 4, GLINT_PIXEL_FLOAT);
     ok &= !(outputs & GLINT_OUT_MATTE_SUMS) || add_planes(f, p->sum, sum, 4, GLINT_PIXEL_FLOAT);
     p->types = glint_matte_types(job, outputs, p->type);
-    for (size_t t = 0; t < p->types; t++)
-        ok &= add_ranks(f, p, job->matte_levels, t);
+    ok &= add_layers(f, p, job->matte_levels ? job->matte_levels : GLINT_DEFAULT_LEVELS);
     return ok ? GLINT_OK
               : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a frame of %ux%u", f->width,
                            f->height);
@@ -148,13 +159,55 @@ static void resolve_aovs(const struct at *a, const struct planes *p)
         p->flow[c][a->out] = aov_mean(a, GK_AOV_FLOW, c, GK_FIXED_FLOW);
 }
 
+// What is behind the layers of a frame that has as many ranks as it takes.
+struct spare {
+    uint32_t at, id; // pixel of the frame
+    float coverage;
+    uint16_t type, rank;
+};
+struct spares {
+    struct spare *list; // malloc'd
+    size_t count, room;
+    uint32_t needed; // levels
+    bool failed;     // no memory
+};
+
+static void store_rank(float *const plane[MAX_LAYERS][4], uint32_t k, size_t out, uint32_t id,
+                       float coverage)
+{
+    memcpy(&plane[k / 2][2 * (k % 2)][out], &id, 4); // bits, never arithmetic
+    plane[k / 2][2 * (k % 2) + 1][out] = coverage;
+}
+
+static void spare_rank(struct spares *s, const struct spare *one)
+{
+    if (s->count == s->room) {
+        const size_t room = s->room ? 2 * s->room : 1024;
+        struct spare *list = realloc(s->list, room * sizeof *list);
+        s->failed |= !list;
+        if (!list)
+            return;
+        s->list = list;
+        s->room = room;
+    }
+    s->list[s->count++] = *one;
+}
+
 static void store_ranks(const struct glint_cryptomatte_rank *rank, uint32_t n, uint32_t levels,
                         float *const plane[MAX_LAYERS][4], size_t out)
 {
-    for (uint32_t k = 0; k < n && k < levels; k++) {
-        memcpy(&plane[k / 2][2 * (k % 2)][out], &rank[k].id, 4); // bits, never arithmetic
-        plane[k / 2][2 * (k % 2) + 1][out] = rank[k].coverage;
-    }
+    for (uint32_t k = 0; k < n && k < levels; k++)
+        store_rank(plane, k, out, rank[k].id, rank[k].coverage);
+}
+
+static void spare_ranks(struct spares *s, const struct glint_cryptomatte_rank *rank, uint32_t n,
+                        uint32_t type, size_t out)
+{
+    const uint32_t needed = glint_film_levels_of(rank, n, GLINT_DEFAULT_LEVELS);
+    s->needed = needed > s->needed ? needed : s->needed;
+    for (uint32_t k = GLINT_DEFAULT_LEVELS; k < n && k < GLINT_MAX_LEVELS; k++)
+        spare_rank(s, &(struct spare){(uint32_t)out, rank[k].id, rank[k].coverage, (uint16_t)type,
+                                      (uint16_t)k});
 }
 
 // What the pixel has of its coverage and what found no slot: Eq. 8 of Yoshimura et al. 2022 gives
@@ -172,12 +225,15 @@ static void resolve_sums(const struct at *a, const struct planes *p,
 }
 
 static void resolve_mattes(const struct at *a, const struct planes *p,
-                           struct glint_film_ranks *ranks)
+                           struct glint_film_ranks *ranks, struct spares *spares)
 {
+    const uint32_t levels = a->info->job->matte_levels;
     glint_film_held_read(a->info, a->tables, a->i, &ranks->held);
     for (size_t t = 0; t < p->types; t++) {
         const uint32_t n = glint_film_rank(a->info, &p->type[t], a->samples, ranks);
-        store_ranks(ranks->rank, n, a->info->job->matte_levels, p->rank[t], a->out);
+        store_ranks(ranks->rank, n, levels ? levels : GLINT_DEFAULT_LEVELS, p->rank[t], a->out);
+        if (!levels)
+            spare_ranks(spares, ranks->rank, n, (uint32_t)t, a->out);
     }
     if (p->sum[0])
         resolve_sums(a, p, &ranks->held);
@@ -189,6 +245,7 @@ struct making {
     const struct glint_frame *frame;
     struct planes planes;
     struct glint_film_ranks ranks;
+    struct spares spares;
     uint32_t fewest; // samples so far
 };
 
@@ -207,7 +264,7 @@ static void resolve_pixel(struct making *m, struct at *a, const struct glint_fil
     if (!from->table || !(m->planes.types || m->planes.sum[0]))
         return;
     a->tables = from->table;
-    resolve_mattes(a, &m->planes, &m->ranks);
+    resolve_mattes(a, &m->planes, &m->ranks, &m->spares);
 }
 
 // A pixel without a sample of its own looks like another of its tile, but has none.
@@ -311,6 +368,22 @@ static glint_status add_manifests(const struct glint_film_info *info, struct gli
     return st;
 }
 
+// The layers that it takes, with what belongs there.
+static glint_status add_spares(struct making *m, struct glint_frame *f, struct glint_error *err)
+{
+    const struct spares *s = &m->spares;
+    const uint32_t levels = s->needed < GLINT_MAX_LEVELS ? s->needed : GLINT_MAX_LEVELS;
+    if (s->failed || (levels > 2 * m->planes.layers && !add_layers(f, &m->planes, levels)))
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u ranks of %ux%u", levels,
+                          f->width, f->height);
+    for (size_t i = 0; i < s->count; i++) {
+        const struct spare *r = &s->list[i];
+        if (r->rank < levels)
+            store_rank(m->planes.rank[r->type], r->rank, r->at, r->id, r->coverage);
+    }
+    return GLINT_OK;
+}
+
 static glint_status fill(struct making *m, struct glint_frame *f, uint32_t outputs,
                          struct glint_error *err)
 {
@@ -319,7 +392,10 @@ static glint_status fill(struct making *m, struct glint_frame *f, uint32_t outpu
         st = glint_film_ranks_create(&m->ranks, m->source->info, err);
     if (!st)
         st = resolve_frame(m, err);
+    if (!st)
+        st = add_spares(m, f, err);
     glint_film_ranks_finish(&m->ranks);
+    free(m->spares.list);
     if (st)
         return st;
     st = glint_film_attributes(m->source, f, m->fewest);

@@ -14,6 +14,7 @@
 #define MAX_RAYS 9007199254740992.0 // what a double counts exactly
 #define MAX_SECONDS 1e12
 #define MAX_MATTES GK_MATTE_BASE_KEY
+#define MAX_BOUNCES 1025.0 // at each of which Eq. 8 may cover all of a pixel
 
 static const struct glint_field plane_fields[] = {
     GLINT_FIELD(BOOL, struct glint_film_info, aovs),
@@ -43,6 +44,7 @@ static const struct glint_field moment_fields[] = {
     GLINT_FIELD_KNOWN("bounce_rays"),
     GLINT_FIELD_KNOWN("shadow_rays"),
     GLINT_FIELD_KNOWN("counts"),
+    GLINT_FIELD_KNOWN("ranks"),
     GLINT_FIELD_KNOWN("curve"),
     {0},
 };
@@ -119,6 +121,18 @@ static void write_counts(struct glint_text *t, const struct glint_film_moment *m
     glint_text_add(t, "}");
 }
 
+static void write_excess(struct glint_text *t, const struct glint_matte_excess *x)
+{
+    if (!x->needed)
+        return;
+    glint_text_key(t, "ranks");
+    glint_text_add(t, "{");
+    write_count(t, "pixels", x->pixels);
+    write_count(t, "needed", x->needed);
+    write_double(t, "left_out", x->left_out);
+    glint_text_add(t, "}");
+}
+
 static void write_estimate(struct glint_text *t, const struct glint_estimate *e)
 {
     write_double(t, "error", e->error);
@@ -151,6 +165,7 @@ static void write_moment(struct glint_text *t, const struct glint_film_moment *m
     write_count(t, "bounce_rays", m->bounce_rays);
     write_count(t, "shadow_rays", m->shadow_rays);
     write_counts(t, m);
+    write_excess(t, &m->excess);
     write_curve(t, m);
     if (m->shares) {
         glint_text_key(t, "shares");
@@ -289,6 +304,20 @@ static void read_counts(const struct glint_json *moment, struct glint_film_momen
         read_count(&at, glint_count_name[i], &m->count[i]);
 }
 
+// Likewise.
+static void read_excess(const struct glint_json *moment, struct glint_matte_excess *x)
+{
+    static const char *const known[] = {"pixels", "needed", "left_out", NULL};
+    const struct glint_json at = glint_json_member(moment, "ranks");
+    if (!at.value)
+        return;
+    const struct glint_json needed = required(&at, "needed"), left = required(&at, "left_out");
+    glint_json_only(&at, known);
+    read_count(&at, "pixels", &x->pixels);
+    glint_json_uint(&needed, 2, MAX_MATTES, &x->needed);
+    glint_json_double(&left, 0.0, MAX_BOUNCES, &x->left_out);
+}
+
 static void read_moment(const struct glint_json *root, struct glint_film_header *h)
 {
     struct glint_film_moment *m = &h->moment;
@@ -306,6 +335,7 @@ static void read_moment(const struct glint_json *root, struct glint_film_header 
     read_count(&at, "bounce_rays", &m->bounce_rays);
     read_count(&at, "shadow_rays", &m->shadow_rays);
     read_counts(&at, m);
+    read_excess(&at, &m->excess);
     read_curve(&at, m);
     const uint32_t first = h->job ? h->job->sample_range[0] : 0;
     if (m->sample < first || m->sample + m->samples > GLINT_MAX_SAMPLES || m->target < m->sample)

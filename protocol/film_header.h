@@ -6,6 +6,7 @@
 
 #include "counts.h"
 #include "film.h"
+#include "film_levels.h"
 
 #include <cjson/cJSON.h>
 
@@ -45,6 +46,7 @@ struct glint_film_moment {
     const char *shares; // of an adaptive job behind its pilot, a letter for each tile; else NULL
     uint32_t biases;    // approximations that it was rendered under, of bias.h
     uint64_t count[GLINT_COUNTS];
+    struct glint_matte_excess excess; // when the last pass ended
     uint32_t points;
     struct glint_convergence_point curve[GLINT_CURVE_POINTS];
 };

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_WARNINGS 2
+#define MAX_WARNINGS 3
 
 struct glint_film_sum {
     struct glint_job job;            // as one run would have it; borrows the first part's strings
@@ -22,6 +22,7 @@ struct glint_film_sum {
     uint64_t lost;                       // pixels with parts of which some coverage found no slot
     struct glint_film_source source;
     const char *warning[MAX_WARNINGS];
+    char ranks[256]; // one of them
     size_t warnings;
 };
 
@@ -314,6 +315,17 @@ static glint_status add_all(glint_film_sum *s, const struct glint_film_part *par
     return st;
 }
 
+static glint_status count_ranks(glint_film_sum *s, struct glint_error *err)
+{
+    struct glint_matte_excess *excess = &s->header.moment.excess;
+    if (!s->header.info.coverage)
+        return GLINT_OK;
+    const glint_status st = glint_film_excess(&s->source, excess, err);
+    if (!st && glint_matte_excess_tell(excess, &s->job, s->ranks))
+        s->warning[s->warnings++] = s->ranks;
+    return st;
+}
+
 glint_status glint_film_merge(glint_film_sum **out, const struct glint_film_part *part,
                               size_t count, bool partial, struct glint_error *err)
 {
@@ -332,6 +344,8 @@ glint_status glint_film_merge(glint_film_sum **out, const struct glint_film_part
                                            .user = s,
                                            .begin = begin_tile,
                                            .end = end_tile};
+    if (!st)
+        st = count_ranks(s, err);
     if (st)
         glint_film_sum_destroy(&s);
     *out = s;

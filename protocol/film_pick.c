@@ -1,4 +1,5 @@
 // film_pick.c - what covers one pixel, by name.
+#include "protocol/film_levels.h"
 #include "protocol/film_parts.h"
 
 #include "kernels/gk_film.h"
@@ -23,7 +24,7 @@ static size_t add_ranks(const struct glint_film_info *info, uint32_t samples,
     const uint32_t n = glint_film_rank(info, type, samples, ranks);
     const struct glint_cryptomatte_rank *rank = ranks->rank;
     size_t count = 0;
-    for (uint32_t k = 0; k < n && k < info->job->matte_levels; k++)
+    for (uint32_t k = 0; k < n && k < glint_film_levels(info->job); k++)
         if (rank[k].id && rank[k].coverage > 0.0f)
             out[count++] = (struct glint_matte_found){*type, name_of(info, type->layer, rank[k].id),
                                                       rank[k].id, rank[k].coverage};
@@ -52,7 +53,7 @@ static struct glint_matte_found *look(const struct glint_film_info *info, uint32
 {
     struct glint_matte_type type[GLINT_MAX_MATTE_TYPES];
     const size_t types = glint_matte_types(info->job, outputs, type);
-    const size_t most = types * info->job->matte_levels;
+    const size_t most = types * glint_film_levels(info->job);
     struct glint_matte_found *list = malloc((most + 1) * sizeof *list), *out;
     *count = 0;
     for (size_t t = 0; list && samples && t < types; t++)

@@ -22,6 +22,7 @@ static const struct {
 };
 
 static const char *const filters[] = {"box", "blackman_harris", NULL};
+static const char *const as_it_takes[] = {"auto", NULL};
 static const char *const estimates[] = {"halves", "batches", NULL};
 const float glint_filter_widths[] = {[GLINT_FILTER_BOX] = 1, [GLINT_FILTER_BLACKMAN_HARRIS] = 1.5f};
 
@@ -91,10 +92,11 @@ const struct glint_field glint_matte_fields[] = {
      .low = 4,
      .high = 32},
     {.name = "levels",
-     .kind = GLINT_FIELD_UINT,
+     .kind = GLINT_FIELD_COUNT,
      .offset = offsetof(struct glint_job, matte_levels),
      .low = 1,
-     .high = 20},
+     .high = GLINT_MAX_LEVELS,
+     .choices = as_it_takes},
     {.name = "alpha",
      .kind = GLINT_FIELD_FLOAT,
      .offset = offsetof(struct glint_job, matte_alpha),

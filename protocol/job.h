@@ -16,6 +16,9 @@
 #define GLINT_DEFAULT_SAMPLES 256u   // of a job that says nothing of when to stop
 #define GLINT_PILOT_SAMPLES 16u      // of an adaptive job, thrown away; then passes have as many
 #define GLINT_ADAPTIVE_SAMPLES 64u   // fewest that an adaptive job takes
+#define GLINT_MAX_LEVELS 20u         // of a Cryptomatte type: readers know layers 00 to 09
+#define GLINT_MOST_GIVEN_LEVELS 16u  // that a job may ask for: slots hold twice as many
+#define GLINT_DEFAULT_LEVELS 6u      // and the fewest that "auto" writes
 #define GLINT_MAX_SAMPLES (1u << 24) // per pixel: matte counters are exact up to here
 
 enum glint_output {
@@ -70,7 +73,7 @@ struct glint_job {
     struct glint_job_budget budget;
     uint32_t pinned;           // settings that were given, bits as in accuracy_front.h
     uint32_t matte_slots;      // 4..32
-    uint32_t matte_levels;     // 1..16: slots hold twice as many candidates
+    uint32_t matte_levels;     // 1..16: slots hold twice as many candidates; 0: as many as it takes
     float matte_alpha;         // 0..16, Eq. 7: how far coverage goes; default 0.1
     bool matte_clamp;          // Eq. 6 in the place of Eq. 5; default true
     bool matte_diffuse_cut;    // diffuse surfaces keep all of theirs; default true

@@ -15,7 +15,7 @@ static void set_defaults(struct glint_job *job)
     job->height = 720;
     job->outputs = GLINT_OUT_BEAUTY | GLINT_OUT_CRYPTO;
     memcpy(job->dial, glint_preset_table[0].setting, sizeof job->dial);
-    job->matte_levels = 6;
+    job->matte_levels = GLINT_DEFAULT_LEVELS;
     job->matte_alpha = 0.1f;
     job->matte_clamp = job->matte_diffuse_cut = job->matte_env_id = true;
     job->filter = GLINT_FILTER_BLACKMAN_HARRIS;
@@ -166,15 +166,22 @@ static void check_budget(const struct glint_json *root, struct glint_job *job)
         job->stop.samples = GLINT_MAX_SAMPLES;
 }
 
+// Who writes as many ranks as it takes keeps all the candidates that there can be.
+static uint32_t slots_for(uint32_t levels)
+{
+    if (!levels)
+        return (uint32_t)glint_matte_fields[0].high;
+    return levels > GLINT_DEFAULT_LEVELS ? 2 * levels : 2 * GLINT_DEFAULT_LEVELS;
+}
+
 // Twice as many candidates as ranks that are written: CONVENTIONS' ranking filter.
 static void read_slots(const struct glint_json *mattes, struct glint_job *job)
 {
     const struct glint_json slots = glint_json_member(mattes, "slots");
     const struct glint_json levels = glint_json_member(mattes, "levels");
     const struct glint_field *f = glint_matte_fields;
-    bool fine =
-        glint_json_uint(&levels, (uint32_t)f[1].low, (uint32_t)f[1].high, &job->matte_levels);
-    job->matte_slots = job->matte_levels > 6 ? 2 * job->matte_levels : 12;
+    bool fine = glint_fields_read_one(&levels, &f[1], &job->arena, job);
+    job->matte_slots = slots_for(job->matte_levels);
     fine &= glint_json_uint(&slots, (uint32_t)f[0].low, (uint32_t)f[0].high, &job->matte_slots);
     if (!fine)
         return;

@@ -33,6 +33,8 @@ libglint_a_SOURCES = \
 	protocol/film_frame.c \
 	protocol/film_header.c \
 	protocol/film_header.h \
+	protocol/film_levels.c \
+	protocol/film_levels.h \
 	protocol/film_matte.c \
 	protocol/film_merge.c \
 	protocol/film_merge.h \

@@ -190,7 +190,7 @@ tests_stability_test_rays_SOURCES = tests/stability/test_rays.c $(stable)
 tests_stability_test_texture_SOURCES = tests/stability/test_texture.c $(stable)
 
 # Measurements: built and run by name.
-EXTRA_PROGRAMS += tests/accuracy/mattes tests/accuracy/strips tests/accuracy/variance tests/bench/embree_share tests/bench/exr_tile tests/bench/matte_overhead \
+EXTRA_PROGRAMS += tests/accuracy/mattes tests/accuracy/ranks tests/accuracy/strips tests/accuracy/variance tests/bench/embree_share tests/bench/exr_tile tests/bench/matte_overhead \
 	tests/bench/memory tests/bench/million_scene tests/bench/stream_load
 tests_accuracy_mattes_SOURCES = tests/accuracy/mattes.c tests/accuracy/replay.c \
 	tests/accuracy/replay_chao.c tests/accuracy/replay.h $(offline)
@@ -199,6 +199,7 @@ tests_accuracy_mattes_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_run_deposit_pixel
 tests_accuracy_variance_SOURCES = tests/accuracy/variance.c tests/accuracy/replay.c \
 	tests/accuracy/replay_chao.c tests/accuracy/replay.h $(offline)
 tests_accuracy_variance_LDFLAGS = $(tests_accuracy_mattes_LDFLAGS)
+tests_accuracy_ranks_SOURCES = tests/accuracy/ranks.c $(offline)
 tests_accuracy_strips_SOURCES = tests/accuracy/strips.c tests/accuracy/subrays.c \
 	tests/accuracy/subrays.h $(offline)
 EXTRA_PROGRAMS += tests/bench/effects tests/bench/efficiency_frames tests/bench/precision
@@ -332,7 +333,7 @@ SCRIPT_TESTS = \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
-dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/accuracy/strips_plot.py tests/accuracy/choose tests/accuracy/policies tests/accuracy/policies_plot.py tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/efficiency tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised \
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/accuracy/strips_plot.py tests/accuracy/choose tests/accuracy/levels tests/accuracy/policies tests/accuracy/policies_plot.py tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/efficiency tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised \
 	tests/stability/matrix tests/stability/nightly
 dist_check_DATA += tests/bench/README.md tests/bench/every_effect.py tests/bench/history.csv tests/bench/million_blend.py \
 	tests/clients/blender_cryptomatte.py tests/clients/browser.py tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \

@@ -22,6 +22,12 @@ static cJSON *to_count(const char *text)
                                                             : NULL;
 }
 
+static cJSON *to_count_or_text(const char *text)
+{
+    cJSON *count = to_count(text);
+    return count ? count : to_text(text);
+}
+
 static cJSON *to_number(const char *text)
 {
     double value;
@@ -101,6 +107,7 @@ static const struct {
     {"camera", NULL, "camera", to_text, "a name"},
     {"outputs", NULL, "outputs", to_list, "names with commas between them"},
     {"through", "mattes", "through", to_text, "a name"},
+    {"levels", "mattes", "levels", to_count_or_text, "a whole number or auto"},
     {"max-bounces", NULL, "max_bounces", to_count, "a whole number"},
     {"seed", NULL, "seed", to_count, "a whole number"},
     {"frame", NULL, "frame", to_count, "a whole number"},
@@ -130,6 +137,7 @@ const struct glint_option glint_order_options[] = {
     {"camera", 'c', "NAME", "look through this camera"},
     {"outputs", 0, "A,B", "what to render: beauty, crypto_object, ..."},
     {"through", 0, "LOBES", "mattes through bounces: glossy, delta or none"},
+    {"levels", 0, "N", "ranks of the mattes in files, or auto: as many as it takes"},
     {"max-bounces", 0, "N", "longest paths"},
     {"seed", 0, "N", "of the random numbers"},
     {"frame", 'f', "N", "number of the frame"},

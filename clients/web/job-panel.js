@@ -28,6 +28,8 @@ const ROWS = [
     ["Sound", (j) => (j.invariants?.sound === false ? "no: more than one sample in a million was rejected" : null)],
     ["Rejected samples", (j) => (rejected(j.invariants) ? count(rejected(j.invariants)) : null)],
     ["Coverage without a slot", (j) => (j.invariants?.coverage_lost ? `${number(100 * j.invariants.coverage_lost)} %` : null)],
+    ["Coverage without a rank", (j) => (j.ranks?.left_out
+        ? `${number(100 * j.ranks.left_out)} % of a pixel at worst, in ${count(j.ranks.pixels)}; ${j.ranks.needed} levels would do` : null)],
     ["Resolution", (j) => (j.job?.resolution ? j.job.resolution.join(" × ") : "–")],
     ["Memory", (j) => (j.memory_bytes ? bytes(j.memory_bytes) : null)],
     ["Client", (j) => j.client || null],

@@ -131,6 +131,7 @@ static void add_render(cJSON *object, const struct glint_entry *e, const struct 
     add_number(object, "cpu_seconds", m->cpu_seconds);
     add_rays(object, r);
     glint_invariants_add(object, r);
+    glint_invariants_ranks(object, &r->excess);
 }
 
 static cJSON *stop_of(const struct glint_job_stop *stop)
@@ -170,6 +171,8 @@ static void add_warnings(cJSON *object, const struct glint_entry *e, const struc
         if (m->trouble[i])
             cJSON_AddItemToArray(warnings, cJSON_CreateString(m->trouble[i]));
     glint_invariants_warn(warnings, r);
+    if (glint_state_ended(m->state))
+        glint_invariants_warn_of_ranks(warnings, &r->excess, e->job);
     cJSON_AddItemToObject(object, "warnings", warnings);
 }
 

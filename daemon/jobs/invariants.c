@@ -36,3 +36,21 @@ void glint_invariants_warn(cJSON *warnings, const struct glint_render_state *r)
                    "%.2g of the coverage that bounces carry was cut from weights above one",
                    clamped);
 }
+
+void glint_invariants_ranks(cJSON *object, const struct glint_matte_excess *x)
+{
+    if (!x->needed)
+        return;
+    cJSON *o = cJSON_AddObjectToObject(object, "ranks");
+    cJSON_AddNumberToObject(o, "pixels", (double)x->pixels);
+    cJSON_AddNumberToObject(o, "left_out", x->left_out);
+    cJSON_AddNumberToObject(o, "needed", x->needed);
+}
+
+void glint_invariants_warn_of_ranks(cJSON *warnings, const struct glint_matte_excess *x,
+                                    const struct glint_job *job)
+{
+    char text[256];
+    if (glint_matte_excess_tell(x, job, text))
+        glint_warn(warnings, "%s", text);
+}

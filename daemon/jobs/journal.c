@@ -34,6 +34,9 @@ char *glint_job_rendered_write(const struct glint_render_state *s)
     add(o, "shadow_rays", (double)s->shadow_rays);
     for (int i = 0; i < GLINT_COUNTS; i++)
         add(o, glint_count_name[i], (double)s->count[i]);
+    add(o, "rank_pixels", (double)s->excess.pixels);
+    add(o, "ranks_needed", s->excess.needed);
+    add(o, "ranks_left_out", s->excess.left_out);
     char *text = cJSON_PrintUnformatted(o);
     cJSON_Delete(o);
     return text;
@@ -56,6 +59,9 @@ void glint_job_rendered_read(struct glint_render_state *out, const char *text)
     out->target_samples = (uint32_t)fmin(count(o, "target_samples"), UINT32_MAX);
     for (int i = 0; i < GLINT_COUNTS; i++)
         out->count[i] = count(o, glint_count_name[i]);
+    out->excess = (struct glint_matte_excess){count(o, "rank_pixels"),
+                                              (uint32_t)fmin(count(o, "ranks_needed"), UINT32_MAX),
+                                              get(o, "ranks_left_out", 0)};
     cJSON_Delete(o);
 }
 

@@ -60,6 +60,7 @@ struct glint_render {
     glint_wave **wave; // [workers], each made and used by its worker alone
     // [film tiles]: written by the worker that holds the tile, read under the mutex when none does.
     struct glint_tile_estimate *tile_estimate;
+    struct glint_matte_excess *tile_excess; // likewise, of a film that has coverage; else NULL
     glint_film **coarse; // [workers]: of a live job, 2 x 2 tiles each, made as its wave is
     uint32_t *order[GLINT_COARSE_STEPS]; // of a live job: how blocks go, by the pass's spread_log2
     atomic_bool interrupted;             // slices out are to be given up
@@ -80,6 +81,7 @@ struct glint_render {
     uint32_t points;
     struct glint_film_estimate estimate; // when the last pass ended
     uint32_t estimated;                  // samples of that
+    struct glint_matte_excess excess;    // when the last pass ended
     struct glint_forecast forecast;      // from then on
     double pace[GLINT_FORECAST_PACES];   // worker seconds for a sample, of the last passes
     double measured;                     // samples of a pixel when the last one ended
@@ -151,6 +153,8 @@ void glint_render_forget(glint_render *r);
 // measure.c: the job's own estimate of its error. Of a tile which has so many samples, 2 or more: by
 // whoever holds it.
 void glint_render_measure(glint_render *r, uint32_t tile, uint32_t samples);
+// The same of its ranks, of a tile which has any samples.
+void glint_render_measure_ranks(glint_render *r, uint32_t tile, uint32_t samples);
 // Under the mutex, when the pass up to index `end` has ended: of the film, with a point of the curve where one is due.
 void glint_render_measure_pass(glint_render *r, uint32_t end);
 // Forgets all that was measured.

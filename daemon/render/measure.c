@@ -25,6 +25,33 @@ void glint_render_measure(glint_render *r, uint32_t tile, uint32_t samples)
                         glint_pass_clip(y, GK_TILE_SIDE, region[3]));
 }
 
+void glint_render_measure_ranks(glint_render *r, uint32_t tile, uint32_t samples)
+{
+    const struct glint_film_info *info = &r->view->info;
+    if (!r->tile_excess)
+        return;
+    const uint32_t columns = glint_film_columns(r->film), *region = r->job.region;
+    const uint32_t x = tile % columns * GK_TILE_SIDE, y = tile / columns * GK_TILE_SIDE;
+    const uint32_t size[2] = {glint_pass_clip(x, GK_TILE_SIDE, region[2]),
+                              glint_pass_clip(y, GK_TILE_SIDE, region[3])};
+    struct glint_film_tile at;
+    glint_film_tile(r->film, tile, &at);
+    const uint64_t *tables = glint_buffer_host(at.tables);
+    const struct glint_film_pixels pixels = {.table = tables + at.tables_offset, .half = {samples}};
+    r->tile_excess[tile] = (struct glint_matte_excess){0};
+    if (glint_film_excess_add(info, &pixels, size, &r->tile_excess[tile], NULL))
+        r->tile_excess[tile] = (struct glint_matte_excess){0}; // without memory nothing is known
+}
+
+static struct glint_matte_excess excess_of(const glint_render *r)
+{
+    struct glint_matte_excess sum = {0};
+    const uint32_t tiles = glint_film_columns(r->film) * glint_film_rows(r->film);
+    for (uint32_t t = 0; r->tile_excess && t < tiles; t++)
+        glint_matte_excess_merge(&sum, &r->tile_excess[t]);
+    return sum;
+}
+
 // At each power of two, or the first pass that ends behind one, and at 12.
 static bool is_checkpoint(const glint_render *r, uint32_t samples)
 {
@@ -58,6 +85,7 @@ void glint_render_measure_pass(glint_render *r, uint32_t end)
     const uint32_t samples = (uint32_t)now;
     record_pace(r, now - r->measured);
     r->measured = now;
+    r->excess = excess_of(r);
     if (samples < 2)
         return;
     glint_estimate_film(&r->estimate, r->tile_estimate, glint_film_columns(r->film),
@@ -71,6 +99,7 @@ void glint_render_measure_nothing(glint_render *r)
 {
     r->estimate = (struct glint_film_estimate){.whole = {NAN, NAN, NAN, NAN, NAN, NAN}};
     r->forecast = GLINT_NO_FORECAST;
+    r->excess = (struct glint_matte_excess){0};
     r->measured = r->job.adaptive && r->share ? GLINT_PILOT_SAMPLES : 0;
     r->points = r->paces = r->estimated = 0;
     r->pass_seconds = r->worker_seconds;

@@ -40,10 +40,12 @@ static glint_status prepare(struct glint_render *r, glint_resident *scene,
     r->view->film = r->film;
     r->wave = calloc(glint_devices_workers(r->devices), sizeof *r->wave);
     r->tile_estimate = calloc(tiles, sizeof *r->tile_estimate);
+    const bool coverage = r->view->info.coverage;
+    r->tile_excess = coverage ? calloc(tiles, sizeof *r->tile_excess) : NULL;
     r->pass.redo = calloc(tiles, sizeof *r->pass.redo);
     r->pass.list = r->job.adaptive ? calloc(tiles, sizeof *r->pass.list) : NULL;
     r->shares = r->job.adaptive ? calloc(tiles + 1, 1) : NULL;
-    if (!r->wave || !r->tile_estimate || !r->pass.redo ||
+    if (!r->wave || !r->tile_estimate || (coverage && !r->tile_excess) || !r->pass.redo ||
         (glint_pass_coarsens(&r->job) && !make_coarse(r)) ||
         (r->job.adaptive && (!r->pass.list || !r->shares)))
         return glint_fail(err, GLINT_E_NOMEM, "/resolution", "no memory for %zu tiles", tiles);
@@ -133,6 +135,7 @@ void glint_render_destroy(glint_render **render)
     free(r->coarse);
     glint_archive_close(&r->archive);
     free(r->tile_estimate);
+    free(r->tile_excess);
     free(r->pass.redo);
     for (uint32_t s = 0; s < GLINT_COARSE_STEPS; s++)
         free(r->order[s]);
@@ -150,9 +153,12 @@ static void measure_block(glint_render *r, const struct glint_wave_block *b)
     const uint32_t samples = glint_pass_count(r, b->sample + b->samples);
     const uint32_t columns = glint_film_columns(r->film), rows = glint_film_rows(r->film);
     const uint32_t side = 1u << b->tiles_log2;
-    for (uint32_t y = b->row; samples >= 2 && y < b->row + side && y < rows; y++)
-        for (uint32_t x = b->column; x < b->column + side && x < columns; x++)
-            glint_render_measure(r, y * columns + x, samples);
+    for (uint32_t y = b->row; y < b->row + side && y < rows; y++)
+        for (uint32_t x = b->column; x < b->column + side && x < columns; x++) {
+            if (samples >= 2)
+                glint_render_measure(r, y * columns + x, samples);
+            glint_render_measure_ranks(r, y * columns + x, samples);
+        }
 }
 
 static double add_seconds(double sum[GLINT_PASSES], const struct glint_wave_stats *now,
@@ -290,6 +296,7 @@ void glint_render_moment(const glint_render *r, struct glint_film_moment *out)
     out->shadow_rays = r->stats.shadow_rays;
     out->biases = r->view ? r->view->plan.biases : glint_archive_biases(r->archive);
     memcpy(out->count, r->stats.count, sizeof out->count);
+    out->excess = r->excess;
     out->shares = r->share;
     out->points = r->points;
     memcpy(out->curve, r->curve, sizeof out->curve);
@@ -325,7 +332,8 @@ void glint_render_state(const glint_render *render, struct glint_render_state *o
                                        .biases = now.biases,
                                        .camera_rays = now.camera_rays,
                                        .bounce_rays = now.bounce_rays,
-                                       .shadow_rays = now.shadow_rays};
+                                       .shadow_rays = now.shadow_rays,
+                                       .excess = now.excess};
     memcpy(out->count, now.count, sizeof out->count);
 }
 

@@ -104,6 +104,7 @@ struct glint_render_state {
     uint32_t biases;                // approximations that it runs under, of protocol/bias.h
     uint64_t camera_rays, bounce_rays, shadow_rays;
     uint64_t count[GLINT_COUNTS];
+    struct glint_matte_excess excess; // of the last whole pass
 };
 #define GLINT_NOTHING_RENDERED                                    \
     (struct glint_render_state)                                   \

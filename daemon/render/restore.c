@@ -101,6 +101,7 @@ static void take_moment(glint_render *r, const struct glint_film_header *h)
     }
     memcpy(r->curve, m->curve, sizeof r->curve);
     r->points = m->points;
+    r->excess = m->excess;
     r->estimate = (struct glint_film_estimate){.whole = m->estimate};
     r->measured = glint_adaptive_goes(r) ? glint_adaptive_mean(r, m->sample)
                                          : m->sample - glint_render_first(r);
@@ -162,6 +163,7 @@ static glint_status take_tiles(glint_render *r, const glint_film_file *file,
         glint_film_put(r->film, t, memory, samples[t]);
         if (samples[t] >= 2)
             glint_render_measure(r, t, samples[t]);
+        glint_render_measure_ranks(r, t, samples[t]);
     }
     free(memory);
     return st;

@@ -62,12 +62,12 @@ def test_options_become_members_of_the_job_and_override_its_file():
         run = cli.glint("render", "resident", "--job", folder / "job.json", "-o", folder / "f.png",
                         "--resolution", "64x32", "--camera", "left", "--outputs", "beauty,depth",
                         "--max-bounces", 2, "--error", "0.25", "--seconds", "1.5", "--region",
-                        "1,2,30,20", "--name", "shot", "--frame", 7, "--idempotency-key", "k1",
+                        "1,2,30,20", "--levels", "auto", "--name", "shot", "--frame", 7, "--idempotency-key", "k1",
                         server=daemon.url)
         assert run.returncode == 0, run.stderr
         assert body_of_job(daemon) == {
             "scene": "resident", "stop": {"samples": 9, "error": 0.25, "seconds": 1.5}, "seed": 3,
-            "mattes": {"levels": 4}, "resolution": [64, 32], "camera": "left",
+            "mattes": {"levels": "auto"}, "resolution": [64, 32], "camera": "left",
             "outputs": ["beauty", "depth"], "max_bounces": 2, "region": [1, 2, 30, 20],
             "name": "shot", "frame": 7}
         assert daemon.wait_for("POST", "/v1/jobs").headers["Idempotency-Key"] == "k1"

@@ -346,6 +346,23 @@ def test_the_plan_and_the_curve_are_told():
         assert told["bright"] == told["coverage_lost"] == told["coverage_clamped"] == 0
 
 
+def test_a_job_says_what_its_files_have_no_rank_for():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        few = daemon.submit(scene="room", stop={"samples": 16}, mattes={"levels": 1})
+        enough = daemon.submit(scene="room", stop={"samples": 16}, mattes={"levels": "auto"})
+        daemon.frame(few)
+        daemon.frame(enough)
+        told = daemon.job(few)
+        assert told["ranks"]["pixels"] > 0 and 0.02 < told["ranks"]["left_out"] < 1
+        assert told["ranks"]["needed"] in (2, 4, 6)
+        of_ranks = [w for w in told["warnings"] if "1 ranks" in w]
+        assert len(of_ranks) == 1 and f"\"levels\": {told['ranks']['needed']}" in of_ranks[0]
+        told = daemon.job(enough)
+        assert told["job"]["mattes"]["levels"] == "auto" and not told["warnings"]
+        assert told["ranks"] == {"pixels": 0, "left_out": 0, "needed": 6}
+
+
 def test_mattes_are_listed_drawn_and_picked():
     with Daemon() as daemon:
         daemon.put("room", ROOM)

@@ -357,6 +357,78 @@ static void twelve_slots_and_places_give_the_mattes_of_exact_eviction(void **sta
     }
 }
 
+// The least that a pixel's ranks of a type have together.
+static double least_sum(const struct glint_frame *f, const char *type)
+{
+    double least = 1.0;
+    for (size_t i = 0; i < pixels(f); i++) {
+        double sum = 0.0;
+        for (uint32_t k = 0; layer_plane(f, type, k, true); k++)
+            sum += rank_coverage(f, type, k, i);
+        least = fmin(least, sum);
+    }
+    return least;
+}
+
+static double left_out(const struct glint_frame *f)
+{
+    return 1.0 - fmin(least_sum(f, "CryptoObject"), least_sum(f, "CryptoGlossObject"));
+}
+
+static void shoot_levels(struct shot *s, glint_resident *scene, const char *levels)
+{
+    char *job = stable_text("{'scene':'s','resolution':[160,90],'region':[56,28,48,32],'stop':{"
+                            "'samples':32},'outputs':['beauty','crypto_object'],'mattes':{"
+                            "'through':'glossy','levels':%s}}",
+                            levels);
+    shoot(s, scene, job);
+    free(job);
+}
+
+static struct glint_matte_excess excess_of(const struct shot *s)
+{
+    struct glint_render_state state;
+    glint_render_state(s->render, &state);
+    return state.excess;
+}
+
+static uint32_t levels_in(const struct glint_frame *f, const char *type)
+{
+    uint32_t k = 0;
+    while (layer_plane(f, type, k, true))
+        k++;
+    return k;
+}
+
+// Samples give their coverage away whole: what a file's ranks have less than 1 is what it leaves out.
+static void files_with_as_many_levels_as_it_takes_leave_out_two_hundredths_at_most(void **state)
+{
+    (void)state;
+    struct shot six, whole, all;
+    glint_resident *scene = demo_scene("cluster");
+    shoot_levels(&six, scene, "6");
+    shoot_levels(&whole, scene, "'auto'");
+    shoot_levels(&all, scene, "16");
+    const struct glint_matte_excess said = excess_of(&six);
+    const uint32_t levels = levels_in(whole.frame, "CryptoObject");
+    print_message("# 6 levels leave out %.4f, %u leave out %.4f; %.0f pixels have more than 6\n",
+                  left_out(six.frame), levels, left_out(whole.frame), (double)said.pixels);
+    assert_true(left_out(six.frame) > 0.1 && left_out(whole.frame) <= 0.02 + 1e-6);
+    assert_true(fabs(said.left_out - left_out(six.frame)) < 1e-5 && said.pixels > 0);
+    assert_true(levels == said.needed && levels == levels_in(whole.frame, "CryptoGlossObject"));
+    assert_true(excess_of(&whole).left_out == 0.0 && excess_of(&whole).needed == levels);
+    for (uint32_t k = 0; k < levels; k++)
+        for (size_t i = 0; i < pixels(all.frame); i++)
+            assert_true(rank_coverage(whole.frame, "CryptoGlossObject", k, i) ==
+                            rank_coverage(all.frame, "CryptoGlossObject", k, i) &&
+                        rank_id(whole.frame, "CryptoGlossObject", k, i) ==
+                            rank_id(all.frame, "CryptoGlossObject", k, i));
+    finish_shot(&six);
+    finish_shot(&whole);
+    finish_shot(&all);
+    glint_resident_release(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -364,6 +436,7 @@ int main(void)
         cmocka_unit_test(rough_metal_behind_a_pane_is_shared_by_all_that_it_shows),
         cmocka_unit_test(weights_above_one_cut_a_ten_thousandth_at_most),
         cmocka_unit_test(twelve_slots_and_places_give_the_mattes_of_exact_eviction),
+        cmocka_unit_test(files_with_as_many_levels_as_it_takes_leave_out_two_hundredths_at_most),
     };
     return cmocka_run_group_tests(tests, things_start, things_finish);
 }

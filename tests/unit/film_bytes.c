@@ -69,6 +69,7 @@ struct glint_film_header film_header(struct glint_job *job)
                    .worker_seconds = 1.5,
                    .camera_rays = 123456789012,
                    .count = {5, 4, 3, 2, 1, 77, 9007199254740992},
+                   .excess = {12, 8, 0.25},
                    .points = 2,
                    .curve = {{2, 0.5, 0.4, 0.1, 7}, {4, 0.75, NAN, NAN, 9}}},
         .seconds = cJSON_Parse("{\"a pass\":0.125}"),

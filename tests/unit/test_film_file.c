@@ -41,6 +41,7 @@ static void check_header(const struct glint_film_header *h)
                 isnan(m->estimate.tail) && m->worker_seconds == 1.5 &&
                 m->camera_rays == 123456789012);
     assert_memory_equal(m->count, counts, sizeof m->count);
+    assert_true(m->excess.pixels == 12 && m->excess.needed == 8 && m->excess.left_out == 0.25);
     assert_true(m->points == 2 && m->curve[0].error == 0.4 && isnan(m->curve[1].error));
     assert_non_null(cJSON_GetObjectItem(h->seconds, "a pass"));
     assert_non_null(cJSON_GetObjectItem(h->plan, "effects"));

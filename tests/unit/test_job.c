@@ -245,6 +245,24 @@ static void slots_are_even_and_twice_the_levels(void **state)
     refuse("{'scene':'a','mattes':{'levels':21,'slots':34}}", "/mattes/levels|/mattes/slots");
 }
 
+static void levels_may_be_as_many_as_it_takes(void **state)
+{
+    (void)state;
+    struct glint_job *j = parse("{'scene':'a','mattes':{'levels':'auto'}}");
+    assert_true(j->matte_levels == 0 && j->matte_slots == 32);
+    char *text = glint_job_write(j);
+    assert_non_null(strstr(text, "\"slots\":32,\"levels\":\"auto\","));
+    free(text);
+    glint_job_destroy(&j);
+    j = parse("{'scene':'a','mattes':{'levels':'auto','slots':4}}");
+    assert_int_equal(j->matte_slots, 4);
+    glint_job_destroy(&j);
+    refuse("{'scene':'a','mattes':{'levels':'all'}}", "/mattes/levels=auto");
+    refuse("{'scene':'a','mattes':{'levels':0}}", "/mattes/levels");
+    refuse("{'scene':'a','mattes':{'levels':true}}", "/mattes/levels");
+    refuse("{'scene':'a','mattes':{'levels':'auto','slots':13}}", "/mattes/slots=even");
+}
+
 static void a_filter_has_the_width_of_its_kind_by_default(void **state)
 {
     (void)state;
@@ -358,9 +376,13 @@ static void parsing_what_was_written_gives_an_equal_job(void **state)
     static const char moving[] =
         "{'scene':'a','frame':3,'fps':23.976,'shutter':[-0.1,0.4],'animation':'none','live':true,"
         "'outputs':['motion','beauty'],'camera':{'projection':'orthographic','ymag':0.3}}";
-    static const char *const jobs[] = {"{'scene':'a'}", "{'scene':'a','stop':{}}",
-                                       named_camera,    own_camera,
-                                       moving,          "{'scene':'a','sample_range':[3,77]}"};
+    static const char *const jobs[] = {"{'scene':'a'}",
+                                       "{'scene':'a','stop':{}}",
+                                       named_camera,
+                                       own_camera,
+                                       moving,
+                                       "{'scene':'a','sample_range':[3,77]}",
+                                       "{'scene':'a','mattes':{'levels':'auto','slots':20}}"};
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
         struct glint_job *a = parse(jobs[i]), *b;
         char *text = glint_job_write(a);
@@ -436,6 +458,7 @@ int main(void)
         cmocka_unit_test(a_sample_range_says_which_samples_and_how_many),
         cmocka_unit_test(a_copy_is_an_equal_job_of_its_own),
         cmocka_unit_test(slots_are_even_and_twice_the_levels),
+        cmocka_unit_test(levels_may_be_as_many_as_it_takes),
         cmocka_unit_test(a_filter_has_the_width_of_its_kind_by_default),
         cmocka_unit_test(a_camera_is_a_name_or_an_object),
         cmocka_unit_test(names_and_numbers_have_their_limits),
