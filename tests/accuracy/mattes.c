@@ -13,7 +13,7 @@
 //   var      mean over pixels and names of the variance of c over seeds
 //   worst    largest |d|
 //   within   share of pixels where no |d| is above 1/255
-//   worst6   largest |d| of a file of six ranks, in which what has none is 0
+// What files of few ranks leave out of it: ranks.c.
 #include "tests/accuracy/replay.h"
 
 #include "protocol/matte_types.h"
@@ -33,7 +33,6 @@ static const struct {
                 {REPLAY_BEST, "best"}};
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 #define SETTINGS (COUNT(slot_numbers) * COUNT(policies))
-#define RANKS 6
 #define KINDS 2 // seen directly; brought by bounces
 
 // Sums over seeds, of each pixel and key.
@@ -42,7 +41,7 @@ struct moments {
 };
 
 struct line {
-    double lost[KINDS], tv[KINDS], worst[KINDS], within[KINDS], worst6[KINDS];
+    double lost[KINDS], tv[KINDS], worst[KINDS], within[KINDS];
 };
 
 struct programme {
@@ -91,24 +90,6 @@ static bool has_samples(const struct replay *r, uint32_t pixel)
     return false;
 }
 
-// The largest error where of the keys from `first` on only the six with most are known.
-static double ranked_error(const double *kept, const uint64_t *exact, uint32_t first, uint32_t end)
-{
-    double top[RANKS] = {0.0}, worst = 0.0;
-    for (uint32_t k = first; k < end; k++)
-        for (int i = 0; i < RANKS; i++)
-            if (kept[k] > top[i]) {
-                memmove(top + i + 1, top + i, (size_t)(RANKS - 1 - i) * sizeof *top);
-                top[i] = kept[k];
-                break;
-            }
-    for (uint32_t k = first; k < end; k++) {
-        const double known = kept[k] > 0.0 && kept[k] >= top[RANKS - 1] ? kept[k] : 0.0;
-        worst = fmax(worst, fabs(known - (double)exact[k]));
-    }
-    return worst;
-}
-
 static void add_moments(struct moments *m, size_t at, double c, double d)
 {
     m->c[at] += (float)c;
@@ -136,9 +117,6 @@ static void add_pixel(struct programme *p, size_t s, uint32_t pixel, double unit
         p->line[s].tv[kind] += tv[kind];
         p->line[s].worst[kind] = fmax(p->line[s].worst[kind], worst[kind]);
         p->line[s].within[kind] += worst[kind] <= 1.0 / 255;
-        const double ranked = ranked_error(kept, r->exact + (size_t)pixel * r->keys,
-                                           kind ? r->mattes : 0, kind ? r->keys : r->mattes);
-        p->line[s].worst6[kind] = fmax(p->line[s].worst6[kind], ranked * unit);
     }
 }
 
@@ -213,10 +191,9 @@ static void print_line(const struct programme *p, const char *scene, size_t s, i
     const double n = (double)p->frame_pixels * p->seeds;
     struct spread spread;
     spread_of(p, s, kind, &spread);
-    printf("%s,%s,%u,%s,%.3e,%.3e,%.3e,%.3e,%.3e,%.3e,%.4f,%.6f,%.4f\n", scene, p->setting[s].name,
+    printf("%s,%s,%u,%s,%.3e,%.3e,%.3e,%.3e,%.3e,%.3e,%.4f,%.6f\n", scene, p->setting[s].name,
            p->setting[s].slots, name[kind], l->lost[kind] / n, l->tv[kind] / n, spread.bias,
-           spread.noise, spread.bias2, spread.var, l->worst[kind], l->within[kind] / n,
-           l->worst6[kind]);
+           spread.noise, spread.bias2, spread.var, l->worst[kind], l->within[kind] / n);
 }
 
 static const char *scene_name(const char *path)
@@ -256,11 +233,11 @@ int main(int argc, char **argv)
     list_settings(&p);
     for (uint32_t seed = 0; seed < p.seeds; seed++)
         run_seed(&p, seed);
-    puts("scene,policy,slots,kind,lost,tv,bias,noise,bias2,var,worst,within,worst6");
+    puts("scene,policy,slots,kind,lost,tv,bias,noise,bias2,var,worst,within");
     for (size_t s = 0; s < SETTINGS; s++)
         for (int kind = 0; kind < KINDS; kind++)
             print_line(&p, scene_name(argv[1]), s, kind);
-    printf("%s,clamped,,,%.3e,,,,,,,,\n", scene_name(argv[1]), p.excess / p.units);
+    printf("%s,clamped,,,%.3e,,,,,,,\n", scene_name(argv[1]), p.excess / p.units);
     replay_finish(&p.replay);
     for (size_t s = 0; s < SETTINGS; s++) {
         free(p.moments[s].c);

@@ -429,6 +429,66 @@ static void files_with_as_many_levels_as_it_takes_leave_out_two_hundredths_at_mo
     glint_resident_release(&scene);
 }
 
+static void shoot_classes(struct shot *s, glint_resident *scene, const char *classes)
+{
+    char *job = stable_text("{'scene':'s','resolution':[160,90],'region':[56,28,48,32],'stop':{"
+                            "'samples':16},'outputs':['beauty','crypto_object'],'mattes':{"
+                            "'through':'glossy','levels':'auto','slots':12,'classes':%s}}",
+                            classes);
+    shoot(s, scene, job);
+    free(job);
+}
+
+// Whether a pixel may have names that have no rank.
+static bool is_full(const struct shot *s, const char *type, size_t pixel)
+{
+    return rank_coverage(s->frame, type, levels_in(s->frame, type) - 1, pixel) > 0.0f;
+}
+
+// What the classes have less of a name that is not seen directly, whose share x_1 keeps none of.
+static double missing(const struct shot *one, const struct shot *both, uint32_t rank, size_t pixel)
+{
+    const uint32_t id = rank_id(one->frame, "CryptoGlossObject", rank, pixel);
+    const double all = rank_coverage(one->frame, "CryptoGlossObject", rank, pixel);
+    if (all == 0.0 || coverage_of_id(one->frame, "CryptoObject", id, pixel) > 0.0)
+        return 0.0; // no rank has the ID of the background
+    return all - coverage_of_id(both->frame, "CryptoReflObject", id, pixel) -
+           coverage_of_id(both->frame, "CryptoRefrObject", id, pixel);
+}
+
+static double most_missing(const struct shot *one, const struct shot *both)
+{
+    double worst = 0.0;
+    for (size_t i = 0; i < pixels(one->frame); i++) {
+        if (is_full(both, "CryptoReflObject", i) || is_full(both, "CryptoRefrObject", i))
+            continue;
+        for (uint32_t k = 0; k < levels_in(one->frame, "CryptoGlossObject"); k++)
+            worst = fmax(worst, fabs(missing(one, both, k, i)));
+    }
+    return worst;
+}
+
+// A name that is both reflected and refracted takes two slots of the same table.
+static void classes_lose_no_more_than_a_single_type(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {"shelves", "plant"};
+    for (size_t n = 0; n < COUNT(scenes); n++) {
+        struct shot one, both;
+        glint_resident *scene = demo_scene(scenes[n]);
+        shoot_classes(&one, scene, "false");
+        shoot_classes(&both, scene, "true");
+        assert_true(both.render->stats.count[GLINT_COUNT_LOST] <=
+                    one.render->stats.count[GLINT_COUNT_LOST]);
+        const double worst = most_missing(&one, &both);
+        print_message("# %s: mattes of the classes are off by %.2e at worst\n", scenes[n], worst);
+        assert_true(worst < 1e-6);
+        finish_shot(&one);
+        finish_shot(&both);
+        glint_resident_release(&scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -437,6 +497,7 @@ int main(void)
         cmocka_unit_test(weights_above_one_cut_a_ten_thousandth_at_most),
         cmocka_unit_test(twelve_slots_and_places_give_the_mattes_of_exact_eviction),
         cmocka_unit_test(files_with_as_many_levels_as_it_takes_leave_out_two_hundredths_at_most),
+        cmocka_unit_test(classes_lose_no_more_than_a_single_type),
     };
     return cmocka_run_group_tests(tests, things_start, things_finish);
 }
