@@ -6,9 +6,10 @@
 // v = sum of n_k (m_k - m)^2 / ((K - 1) n), once each has a sample.
 //
 // Relative errors are v / (m^2 + 0.01). With a pixel's own mean for m a rare bright sample would hide
-// itself, for it lifts both. So m goes from that towards the mean of the pixel's neighbours, where
-// those are darker, the more the larger the noise's share of the mean, v / mean^2: all the way where
-// one half has all the light, none as samples grow.
+// itself, for it lifts both. So m goes from that towards the median of the neighbours' means, where
+// that is darker, by as much as the noise has of the mean, sqrt(v) / mean: all the way where one half
+// has all the light, none as samples grow. The median: of a pixel at a lamp's edge three neighbours are
+// of the lamp, and their mean is brighter than any sample.
 //
 // How far the sum of v may
 // be off is taken from neighbouring pixels: (v - v')^2 estimates the variance of v + v' where both
@@ -67,13 +68,13 @@ void glint_estimate_interval(const struct glint_estimate *e, double interval[2])
 // many looks, the error lies above one of them. Source: alpha spent as 1/(k (k + 1)).
 double glint_estimate_upper(const struct glint_estimate *e, uint32_t look);
 
-// Whether an estimate misses what is still to come. Few pixels have much of the variance: Hill's
-// index of the worst hundredth is below 2.5; or their means are theirs by a few samples: neighbours
-// lift the error by more than 4 %.
+// Whether an estimate may miss what is still to come. Few pixels have much of the variance: Hill's
+// index of the worst hundredth lies below 2.5 with 95 % confidence; or their means are theirs by a few
+// samples: neighbours lift the error by more than 2 %.
 bool glint_estimate_rare(const struct glint_estimate *e);
 
-// Whether it misses so much that nothing can be said of what is to come but at least: the same with a
-// lift of more than 30 %.
+// Whether it may miss so much that nothing can be said of what is to come but at least: the same with
+// a lift of more than 15 %.
 bool glint_estimate_heavy(const struct glint_estimate *e);
 
 // Sample counts at which a job that stops by error looks at itself: 16, 32, then in steps of about

@@ -27,7 +27,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define STEP 16 // samples between two looks at the true error
+#define FIRST_LOOK 16 // samples
 #define MAX_LOOKS 4096
 #define MAX_SEEDS 512 // their numbers
 
@@ -49,7 +49,7 @@ static bool is_point(uint32_t samples)
 static void print_point(const struct glint_film_estimate *e, uint32_t seed, uint32_t samples)
 {
     printf("point,%u,%u,%.9g,%.9g\n", seed, samples, e->whole.error, e->whole.spread);
-    if (samples >= STEP)
+    if (samples >= FIRST_LOOK)
         print_cells(e, seed, samples);
 }
 
@@ -127,7 +127,7 @@ static void print_look(const struct truth *t, uint32_t seed, uint32_t look,
     const struct glint_estimate *e = &film.whole;
     if (is_point(samples))
         print_point(&film, number, samples);
-    if (samples < STEP)
+    if (samples < FIRST_LOOK)
         return;
     mean_of(t, seed, look, t->mean);
     const struct glint_estimate s = squares(t, t->mean);
@@ -162,19 +162,19 @@ struct seed {
     struct glint_convergence_point curve[GLINT_CURVE_POINTS];
     uint32_t points, looks;
     struct glint_film_estimate now;
-    double error[MAX_LOOKS]; // the true one
+    double look[MAX_LOOKS], error[MAX_LOOKS]; // samples, and the true error
 };
 
 // Samples at which the true error is first at most `target`, between two looks; 0: later.
 static double reached(const struct seed *s, double target)
 {
     for (uint32_t i = 0; i < s->looks; i++) {
-        const double n = STEP * (i + 1.0);
+        const double n = s->look[i];
         if (s->error[i] > target)
             continue;
         if (!i)
             return n;
-        const double slope = log(s->error[i - 1] / s->error[i]) / log(n / (n - STEP));
+        const double slope = log(s->error[i - 1] / s->error[i]) / log(n / s->look[i - 1]);
         return n * pow(s->error[i] / target, 1.0 / slope);
     }
     return 0.0;
@@ -238,7 +238,8 @@ static void read_line(struct seed *s, const char *line, const char *at, uint32_t
         read_cells(s, at, first);
     else if (!strncmp(line, "point", 5))
         read_point(s, at, first);
-    else if (s->looks < MAX_LOOKS && sscanf(at, "%*u,%*f,%lf", &s->error[s->looks]) == 1)
+    else if (s->looks < MAX_LOOKS &&
+             sscanf(at, "%lf,%*f,%lf", &s->look[s->looks], &s->error[s->looks]) == 2)
         s->looks++;
 }
 

@@ -27,6 +27,7 @@ OTHERS = ["interiors/cornell-box.glb", "interiors/staircase2.glb", "interiors/ve
           "chess/chess_set_glass.gltf"]
 LOOKS = [32, 64, 128, 256, 512, 1024, 2048]
 SCORED = 256  # samples of the pixels that are scored
+NEAR = 4  # divisors of the error up to this are reached within the samples that are taken
 LEVELS = {50: (4, 5), 80: (3, 6), 90: (2, 7), 95: (1, 8)}  # quantiles of a forecast, by their place
 
 
@@ -151,6 +152,8 @@ def row_of(mine, last):
     said, low = [f for f in mine if not f[2]], [f for f in mine if f[2]]
     row = [len(mine), sum(f[3] == 0 for f in mine), len(said)]
     row.append(f"{median([f[4] / (f[3] or last) for f in said]):.3f}" if said else "")
+    near = [f for f in said if f[1] <= NEAR]
+    row.append(f"{median([f[4] / (f[3] or math.inf) for f in near]):.3f}" if near else "")
     row += [held(said, *ends, last) for ends in LEVELS.values()]
     bounds = sum(f[3] == 0 or f[3] >= f[6] for f in low)
     row += [len(low), f"{bounds / len(low):.3f}" if low else ""]
@@ -232,7 +235,7 @@ def main():
         out.writerows(scores)
     with open(options.out / "forecasts.csv", "w", newline="") as f:
         out = csv.writer(f, lineterminator="\n")
-        out.writerow(["first", "scene", "seeds", "forecasts", "not_reached", "judged", "median", "in_50", "in_80",
+        out.writerow(["first", "scene", "seeds", "forecasts", "not_reached", "judged", "median", "median_near", "in_50", "in_80",
                       "in_90", "in_95", "bounds", "bounds_hold", "bounds_median", "bounds_in_90"])
         for first, made in forecasts.items():
             report(first, made, options.samples, out)

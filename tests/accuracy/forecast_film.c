@@ -8,7 +8,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#define STEP 16 // samples between two looks
+#define STEP 16   // samples between two looks
+#define LATE 2048 // after these
+#define LATE_STEP 256
+#define LATE_LOOK (FORECAST_EARLY + LATE / STEP - 1)
 
 void *forecast_room(size_t n, size_t size)
 {
@@ -22,13 +25,17 @@ void *forecast_room(size_t n, size_t size)
 
 uint32_t forecast_film_looks(const struct forecast_films *films)
 {
-    return FORECAST_EARLY + films->samples / STEP;
+    const uint32_t n = films->samples;
+    return n <= LATE ? FORECAST_EARLY + n / STEP : LATE_LOOK + 1 + (n - LATE) / LATE_STEP;
 }
 
 uint32_t forecast_film_samples(uint32_t look)
 {
     static const uint32_t early[FORECAST_EARLY] = {2, 4, 8, 12};
-    return look < FORECAST_EARLY ? early[look] : STEP * (look - FORECAST_EARLY + 1);
+    if (look < FORECAST_EARLY)
+        return early[look];
+    return look <= LATE_LOOK ? STEP * (look - FORECAST_EARLY + 1)
+                             : LATE + LATE_STEP * (look - LATE_LOOK);
 }
 
 static size_t values_of(const struct forecast_films *films)

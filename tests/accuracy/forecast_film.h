@@ -2,7 +2,8 @@
 // estimates of their error can be made again without rendering.
 //
 // A seed's file FOLDER/SEED.means has, for each look, the means of half A and of half B, each
-// [height][width][3] floats. Looks are at 2, 4, 8, 12, 16 samples and then at every 16.
+// [height][width][3] floats. Looks are at 2, 4, 8, 12, 16 samples, then at every 16, and from 2048 on
+// at every 256.
 #ifndef GLINT_TESTS_FORECAST_FILM_H
 #define GLINT_TESTS_FORECAST_FILM_H
 

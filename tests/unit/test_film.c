@@ -195,8 +195,8 @@ static void estimate_is_the_square_of_half_the_difference(void **state)
     glint_film_destroy(&film);
 }
 
-// A tile whose halves are both 1, but for one pixel.
-static void estimate_one(struct glint_film_estimate *out, float a, float b)
+// A tile whose halves are both 1, and `lamp` from column 6 on, but for one pixel beside that.
+static void estimate_one(struct glint_film_estimate *out, float a, float b, float lamp)
 {
     static float planes[GK_PLANES_BASE * GK_TILE_PIXELS];
     const struct glint_estimate_source source = {.planes = planes, .samples = 2};
@@ -204,7 +204,8 @@ static void estimate_one(struct glint_film_estimate *out, float a, float b)
     for (uint32_t plane = 0; plane < 6; plane++)
         for (uint32_t i = 0; i < GK_TILE_PIXELS; i++) {
             const bool one = i == 5 * GK_TILE_SIDE + 5;
-            planes[plane * GK_SUM_PLANES * GK_TILE_PIXELS + i] = !one ? 1.0f : plane < 3 ? a : b;
+            const float other = i % GK_TILE_SIDE > 5 ? lamp : 1.0f;
+            planes[plane * GK_SUM_PLANES * GK_TILE_PIXELS + i] = !one ? other : plane < 3 ? a : b;
         }
     glint_estimate_tile(&e, &source, 16, 16);
     glint_estimate_film(out, &e, 1, 1, GK_TILE_PIXELS);
@@ -216,16 +217,101 @@ static void a_rare_sample_does_not_hide_in_its_own_mean(void **state)
 {
     (void)state;
     struct glint_film_estimate e;
-    estimate_one(&e, 100.0f, 0.0f);
+    estimate_one(&e, 100.0f, 0.0f, 1.0f);
     assert_float_equal(e.whole.error, sqrt(2500.0 / 1.01 / GK_TILE_PIXELS), 1e-3);
     assert_float_equal(e.whole.lift, sqrt(2500.01 / 1.01), 1e-2);
     e.whole.tail = 9.0;
     assert_true(glint_estimate_rare(&e.whole));
-    estimate_one(&e, 101.0f, 99.0f);
+    estimate_one(&e, 101.0f, 99.0f, 1.0f);
     e.whole.tail = 9.0;
-    assert_true(e.whole.lift > 1.0 && e.whole.lift < 1.04 && !glint_estimate_rare(&e.whole));
-    estimate_one(&e, 0.5f, 0.0f); // neighbours only darken
+    assert_true(e.whole.lift > 1.0 && e.whole.lift < 1.02 && !glint_estimate_rare(&e.whole));
+    estimate_one(&e, 0.5f, 0.0f, 1.0f); // neighbours only darken
     assert_float_equal(e.whole.lift, 1.0, 1e-12);
+}
+
+// A pixel that a lamp's edge touches has three neighbours of the lamp, and five that say what it is
+// where no sample meets it.
+static void a_lamp_does_not_vouch_for_a_sample_beside_it(void **state)
+{
+    (void)state;
+    struct glint_film_estimate e;
+    estimate_one(&e, 100.0f, 0.0f, 1000.0f);
+    assert_float_equal(e.whole.error, sqrt(2500.0 / 1.01 / GK_TILE_PIXELS), 1e-3);
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double p = *(const double *)a, q = *(const double *)b;
+    return (p > q) - (p < q);
+}
+
+static double median_around(double mean[4][4], int x, int y)
+{
+    double v[8];
+    size_t n = 0;
+    for (int k = 0; k < 9; k++) { // what stands beyond an edge is what is as far within
+        const int column = x + k % 3 - 1, row = y + k / 3 - 1;
+        if (k != 4)
+            v[n++] = mean[row < 0   ? 1
+                          : row > 3 ? 2
+                                    : row][column < 0   ? 1
+                                           : column > 3 ? 2
+                                                        : column];
+    }
+    qsort(v, 8, sizeof *v, ascending);
+    return 0.5 * (v[3] + v[4]);
+}
+
+// Sixteen pixels of light that either half may have alone, as a plain sort of neighbours has them.
+static void neighbours_speak_by_their_median(void **state)
+{
+    (void)state;
+    static float planes[GK_PLANES_BASE * GK_TILE_PIXELS];
+    const struct glint_estimate_source source = {.planes = planes, .samples = 2};
+    double mean[4][4], variance[4][4], expected = 0.0;
+    struct glint_tile_estimate e;
+    for (uint32_t i = 0; i < 16; i++) {
+        const double a = (double)(i * 7 % 16), b = (double)(i * 11 % 5);
+        for (uint32_t plane = 0; plane < 6; plane++)
+            planes[plane * GK_SUM_PLANES * GK_TILE_PIXELS + i / 4 * GK_TILE_SIDE + i % 4] =
+                (float)(plane < 3 ? a : b);
+        mean[i / 4][i % 4] = 0.5 * (a + b);
+        variance[i / 4][i % 4] = 0.25 * (a - b) * (a - b);
+    }
+    for (int i = 0; i < 16; i++) {
+        const double m = mean[i / 4][i % 4], v = variance[i / 4][i % 4];
+        const double above = fmax(m - median_around(mean, i % 4, i / 4), 0.0);
+        const double taken = m - (m > 0.0 ? sqrt(v) / m * above : 0.0);
+        expected += 3.0 * v / (taken * taken + 0.01);
+    }
+    glint_estimate_tile(&e, &source, 4, 4);
+    assert_float_equal(e.relative, expected, 1e-9 * expected);
+    assert_true(e.relative > 1.01 * e.own);
+}
+
+// Tiles whose pixels' variances lie above x in 1 / x^2 of cases.
+static void estimate_tailed(struct glint_film_estimate *out, uint32_t tiles)
+{
+    struct glint_tile_estimate *tile = calloc(tiles, sizeof *tile);
+    assert_non_null(tile);
+    for (uint32_t t = 0; t < tiles; t++)
+        for (int j = 0; j < 60; j++) {
+            const double share = exp2(-0.5 * j) - exp2(-0.5 * (j + 1));
+            tile[t].tail[GLINT_TAIL_BINS / 2 + j] =
+                (uint8_t)(share * GK_TILE_PIXELS + fmod(0.618034 * t, 1.0));
+        }
+    glint_estimate_film(out, tile, tiles, 1, (uint64_t)tiles * GK_TILE_PIXELS);
+    free(tile);
+}
+
+static void few_pixels_prove_no_heavy_tail(void **state)
+{
+    (void)state;
+    struct glint_film_estimate e;
+    estimate_tailed(&e, 1000);
+    assert_true(e.whole.tail > 1.9 && e.whole.tail < 2.3 && glint_estimate_rare(&e.whole));
+    estimate_tailed(&e, 2);
+    assert_true(e.whole.tail > 2.5 && !glint_estimate_rare(&e.whole));
 }
 
 static void looks_come_in_whole_passes_and_ever_rarer(void **state)
@@ -271,6 +357,9 @@ int main(void)
         cmocka_unit_test(halves_share_samples_evenly),
         cmocka_unit_test(estimate_is_the_square_of_half_the_difference),
         cmocka_unit_test(a_rare_sample_does_not_hide_in_its_own_mean),
+        cmocka_unit_test(a_lamp_does_not_vouch_for_a_sample_beside_it),
+        cmocka_unit_test(neighbours_speak_by_their_median),
+        cmocka_unit_test(few_pixels_prove_no_heavy_tail),
         cmocka_unit_test(looks_come_in_whole_passes_and_ever_rarer),
     };
     return cmocka_run_group_tests(tests, start, finish);
