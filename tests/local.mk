@@ -35,6 +35,7 @@ UNIT_TESTS = \
 	tests/render/test_film_merge \
 	tests/render/test_film_restore \
 	tests/render/test_coarse \
+	tests/render/test_sketched \
 	tests/render/test_flow \
 	tests/render/test_many_lights \
 	tests/render/test_matte_names \
@@ -88,6 +89,7 @@ UNIT_TESTS = \
 	tests/unit/test_journal \
 	tests/unit/test_json \
 	tests/unit/test_live \
+	tests/unit/test_sketch \
 	tests/unit/test_light_grid \
 	tests/unit/test_log \
 	tests/unit/test_metrics \
@@ -165,6 +167,7 @@ filmed = tests/render/filmed.c tests/render/filmed.h $(stable)
 tests_render_test_adaptive_SOURCES = tests/render/test_adaptive.c $(scores) $(filmed)
 tests_render_test_film_restore_SOURCES = tests/render/test_film_restore.c $(filmed)
 tests_render_test_coarse_SOURCES = tests/render/test_coarse.c $(filmed)
+tests_render_test_sketched_SOURCES = tests/render/test_sketched.c $(filmed)
 tests_render_test_film_merge_SOURCES = tests/render/test_film_merge.c $(filmed)
 tests_render_test_film_capture_SOURCES = tests/render/test_film_capture.c $(filmed)
 tests_render_test_flow_SOURCES = tests/render/test_flow.c $(moving)
@@ -252,6 +255,7 @@ tests_unit_test_checkpoint_file_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=fsync -Wl,--w
 	-Wl,--wrap=glint_render_film
 tests_unit_test_jobs_SOURCES = tests/unit/test_jobs.c $(jobs_fixture)
 tests_unit_test_live_SOURCES = tests/unit/test_live.c $(jobs_fixture)
+tests_unit_test_sketch_SOURCES = tests/unit/test_sketch.c $(jobs_fixture)
 tests_unit_test_need_SOURCES = tests/unit/test_need.c $(jobs_fixture)
 pose_scene = tests/unit/pose_scene.c tests/unit/pose_scene.h
 tests_unit_test_pose_SOURCES = tests/unit/test_pose.c $(pose_scene)

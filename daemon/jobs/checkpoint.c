@@ -149,7 +149,7 @@ static struct look look_at(struct glint_checkpoints *c, const struct glint_entry
     pthread_mutex_lock(&c->table->mutex);
     const struct look l = {.ended = glint_state_ended(e->state),
                            .complete = glint_checkpoint_complete(e),
-                           .can = e->render && !e->job->live,
+                           .can = e->render && !e->job->live && !glint_render_is_sketch(e->render),
                            .news = e->worker_seconds != e->kept.worker_seconds,
                            .at = e->kept.at,
                            .retry = e->kept.retry};

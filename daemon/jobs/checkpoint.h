@@ -43,6 +43,9 @@ void glint_checkpoint_ended(struct glint_entry *entry);
 // description does.
 void glint_checkpoint_note(struct glint_entry *entry);
 
+// Whether there is a film to go on from.
+bool glint_checkpoint_exists(struct glint_entry *entry);
+
 // Before the first slice of a new render: goes on from the newest film that can be read, if any. What
 // cannot be is put aside, with a warning in the entry.
 void glint_checkpoint_restore(struct glint_entry *entry, glint_render *render);

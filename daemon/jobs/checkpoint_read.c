@@ -54,6 +54,14 @@ static uint64_t use_film(struct glint_checkpoints *c, struct glint_entry *e, gli
     return 0;
 }
 
+bool glint_checkpoint_exists(struct glint_entry *e)
+{
+    uint64_t number[2] = {0};
+    if (e->keeper && !e->job->live)
+        newest(e->keeper, e, number);
+    return number[0] || number[1];
+}
+
 void glint_checkpoint_restore(struct glint_entry *e, glint_render *render)
 {
     glint_checkpoints *c = e->keeper;

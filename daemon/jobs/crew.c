@@ -16,7 +16,7 @@ struct order {
     struct glint_slice slice;
 };
 
-// For the preparer or the mover.
+// For the preparer, the finisher or the mover.
 struct preparation {
     struct glint_entry *entry, *gone; // entry NULL: `view` and `revision` are to be released
     glint_revision *revision;         // retained
@@ -27,6 +27,7 @@ struct preparation {
 
 struct member {
     glint_queue *orders, *inbox;
+    enum glint_message_kind answers;
     glint_devices *devices;
     glint_store *store;
     uint32_t index;
@@ -36,8 +37,8 @@ struct member {
 
 struct glint_crew {
     uint32_t workers;
-    struct member preparer, mover; // their orders are struct preparation
-    struct member worker[];        // [workers]; orders are struct order
+    struct member preparer, finisher, mover; // their orders are struct preparation
+    struct member worker[];                  // [workers]; orders are struct order
 };
 
 static void *work(void *arg)
@@ -80,6 +81,19 @@ static glint_revision *choose_revision(const struct member *m, const struct prep
     return glint_revision_retain(order->revision);
 }
 
+// A job that goes on from a film begins with that.
+static glint_status begin(const struct member *m, struct glint_entry *entry,
+                          const struct glint_job *job, const struct glint_posed *posed,
+                          struct glint_message *answer)
+{
+    const bool anew = !glint_checkpoint_exists(entry);
+    const glint_status st = (anew ? glint_render_sketch : glint_render_create)(
+        &answer->render, m->devices, posed->resident, posed->pose, job, &answer->error);
+    if (!st && !anew)
+        glint_checkpoint_restore(entry, answer->render);
+    return st;
+}
+
 // Makes the render or, where there is one, its next view.
 static glint_status make(const struct member *m, const struct preparation *order,
                          glint_render *render, struct glint_message *answer)
@@ -92,11 +106,9 @@ static glint_status make(const struct member *m, const struct preparation *order
         return st;
     st = render ? glint_render_move(&answer->view, render, posed.resident, posed.pose, &job,
                                     &answer->error)
-                : glint_render_create(&answer->render, m->devices, posed.resident, posed.pose, &job,
-                                      &answer->error);
+                : begin(m, order->entry, &job, &posed, answer);
     glint_resident_release(&posed.resident);
-    if (!st && !render)
-        glint_checkpoint_restore(order->entry, answer->render);
+    glint_revision_weigh(answer->revision); // a structure may have been built
     return st;
 }
 
@@ -114,7 +126,7 @@ static void *prepare(void *arg)
     for (struct preparation order; glint_queue_pop(m->orders, &order);) {
         struct glint_entry *entry = order.entry;
         glint_entry_release_all(order.gone);
-        struct glint_message answer = {.kind = GLINT_MESSAGE_PREPARED, .entry = entry};
+        struct glint_message answer = {.kind = m->answers, .entry = entry};
         // Relaxed: a hint that saves work; the scheduler decides what becomes of the answer.
         if (!atomic_load_explicit(&entry->abandoned, memory_order_relaxed))
             answer.status = make(m, &order, NULL, &answer);
@@ -127,14 +139,18 @@ static void *prepare(void *arg)
     return NULL;
 }
 
+// Of the finisher and the mover.
 static void *move(void *arg)
 {
     const struct member *m = arg;
     for (struct preparation order; glint_queue_pop(m->orders, &order); finish(&order)) {
         if (!order.entry)
             continue;
-        struct glint_message answer = {.kind = GLINT_MESSAGE_MOVED, .entry = order.entry};
-        answer.status = make(m, &order, order.entry->render, &answer);
+        struct glint_message answer = {.kind = m->answers, .entry = order.entry};
+        // Relaxed: as above. A move is not asked for twice.
+        if (m->answers == GLINT_MESSAGE_MOVED ||
+            !atomic_load_explicit(&order.entry->abandoned, memory_order_relaxed))
+            answer.status = make(m, &order, order.entry->render, &answer);
         if (!glint_queue_push(m->inbox, &answer))
             glint_crew_drop(&answer);
     }
@@ -169,10 +185,15 @@ glint_status glint_crew_create(glint_crew **out, glint_devices *devices, glint_s
     if (!crew)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u workers", workers);
     crew->workers = workers;
-    crew->preparer = (struct member){.inbox = inbox, .devices = devices, .store = store};
-    crew->mover = crew->preparer;
+    const struct member any = {.inbox = inbox, .devices = devices, .store = store};
+    crew->preparer = crew->finisher = crew->mover = any;
+    crew->preparer.answers = GLINT_MESSAGE_PREPARED;
+    crew->finisher.answers = GLINT_MESSAGE_FINISHED;
+    crew->mover.answers = GLINT_MESSAGE_MOVED;
     glint_status st =
         start(&crew->preparer, "prepare", 1, sizeof(struct preparation), prepare, err);
+    if (!st)
+        st = start(&crew->finisher, "finish", 1, sizeof(struct preparation), move, err);
     if (!st)
         st = start(&crew->mover, "move", MOVER_ORDERS, sizeof(struct preparation), move, err);
     for (uint32_t i = 0; !st && i < workers; i++) {
@@ -195,6 +216,7 @@ void glint_crew_destroy(glint_crew **crew)
     for (uint32_t i = 0; i < c->workers; i++)
         stop(&c->worker[i]);
     stop(&c->preparer);
+    stop(&c->finisher);
     stop(&c->mover);
     free(c);
     *crew = NULL;
@@ -233,12 +255,23 @@ static struct preparation about(struct glint_entry *entry, struct glint_entry *g
                                 .look = glint_look_retain(entry->look)};
 }
 
+static void must_take(struct member *m, const struct preparation *order)
+{
+    const bool room = glint_queue_offer(m->orders, order);
+    assert(room);
+    (void)room;
+}
+
 void glint_crew_prepare(glint_crew *crew, struct glint_entry *entry, struct glint_entry *gone)
 {
     const struct preparation order = about(entry, gone);
-    const bool room = glint_queue_offer(crew->preparer.orders, &order);
-    assert(room);
-    (void)room;
+    must_take(&crew->preparer, &order);
+}
+
+void glint_crew_finish(glint_crew *crew, struct glint_entry *entry)
+{
+    const struct preparation order = about(entry, NULL);
+    must_take(&crew->finisher, &order);
 }
 
 void glint_crew_move(glint_crew *crew, struct glint_entry *entry)

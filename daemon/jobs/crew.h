@@ -1,5 +1,5 @@
 // crew.h - the threads that work for the scheduler: one per device worker, one that prepares new
-// jobs and one that prepares the moves of live ones.
+// jobs, one that finishes what began as a sketch and one that prepares the moves of live ones.
 //
 // They take an order from a bounded queue and answer into the scheduler's inbox; they decide
 // nothing. The scheduler counts what it hands out, so an order never finds a queue full; an answer
@@ -17,6 +17,7 @@
 enum glint_message_kind {
     GLINT_MESSAGE_COMMAND,
     GLINT_MESSAGE_PREPARED,
+    GLINT_MESSAGE_FINISHED, // as MOVED, of a job that began as a sketch
     GLINT_MESSAGE_MOVED,
     GLINT_MESSAGE_RETURNED
 };
@@ -25,9 +26,9 @@ enum glint_message_kind {
 struct glint_message {
     enum glint_message_kind kind;
     struct glint_command *command; // COMMAND
-    struct glint_entry *entry;     // others; PREPARED, MOVED: with a reference
+    struct glint_entry *entry;     // others; all but RETURNED: with a reference
     glint_render *render;          // PREPARED: the receiver's, NULL if there is none
-    glint_view *view;              // MOVED: the receiver's, NULL if there is none
+    glint_view *view;              // FINISHED, MOVED: the receiver's, NULL if there is none
     glint_revision *revision;      // of render or view, the receiver's
     uint32_t worker;               // RETURNED
     struct glint_slice slice;      // RETURNED
@@ -62,6 +63,10 @@ void glint_crew_prepare(glint_crew *crew, struct glint_entry *entry, struct glin
 // Orders what a live job shows next to be made: the newest revision seen by its camera. Takes a
 // reference. At most one may be out.
 void glint_crew_move(glint_crew *crew, struct glint_entry *entry);
+
+// Orders what a job shows that has begun as a sketch: the same with all that it is made of. Takes a
+// reference. At most one may be out.
+void glint_crew_finish(glint_crew *crew, struct glint_entry *entry);
 
 // What an answer brings, when nobody takes it.
 void glint_crew_drop(struct glint_message *answer);

@@ -115,9 +115,10 @@ static void end_if_complete(glint_scheduler *s, struct glint_entry *e)
     end_at_stop(s, e);
 }
 
-// The live job shows what was made for it. Nothing of it is out.
+// The job shows what was made for it. Nothing of it is out.
 static void change_view(glint_scheduler *s, struct glint_entry *e)
 {
+    e->sketch = false;
     glint_render_restart(e->render, &e->next_view);
     glint_revision_use(e->next_revision, 1);
     glint_revision_use(e->revision, -1);
@@ -176,6 +177,8 @@ static void prepared(glint_scheduler *s, struct glint_message *m)
             glint_revision_use(e->revision, -1);
             glint_state_moved(s->table, e, &m->revision);
         }
+        e->sketch = glint_render_is_sketch(m->render);
+        e->fresh = e->sketch ? FRESH_SLICES : e->fresh;
         glint_state_prepared(s->table, e, &m->render);
         follow_stop(s, e);
         glint_turn_join(s->live, s->lives, e);
@@ -196,13 +199,18 @@ static void stay(glint_scheduler *s, struct glint_entry *e, struct glint_error *
     s->news = true;
 }
 
+// Of what has ended or ends meanwhile a new view is of no use. None has come where it seemed to end
+// and goes on: it is ordered again.
 static void moved(glint_scheduler *s, struct glint_message *m)
 {
     struct glint_entry *e = m->entry;
-    s->moving = false;
-    if (m->status) {
+    const bool waits = e->end == GLINT_JOB_QUEUED && !glint_state_ended(e->state);
+    *(m->kind == GLINT_MESSAGE_FINISHED ? &s->finishing : &s->moving) = false;
+    if (m->status && !e->sketch) {
         stay(s, e, &m->error);
-    } else if (e->end == GLINT_JOB_QUEUED && !glint_state_ended(e->state)) {
+    } else if (m->status && waits) {
+        fail(s, e, &m->error);
+    } else if (m->view && waits) {
         glint_crew_dispose(s->crew, &e->next_view, &e->next_revision); // superseded
         e->next_view = m->view;
         e->next_revision = m->revision;
@@ -215,6 +223,7 @@ static void moved(glint_scheduler *s, struct glint_message *m)
             glint_render_interrupt(e->render, true);
     }
     glint_crew_dispose(s->crew, &m->view, &m->revision);
+    glint_error_finish(&m->error);
     glint_entry_release(&m->entry);
 }
 
@@ -257,6 +266,7 @@ static void handle(glint_scheduler *s, struct glint_message *m)
     case GLINT_MESSAGE_PREPARED:
         prepared(s, m);
         break;
+    case GLINT_MESSAGE_FINISHED:
     case GLINT_MESSAGE_MOVED:
         moved(s, m);
         break;
@@ -271,12 +281,18 @@ static void handle(glint_scheduler *s, struct glint_message *m)
 
 // What the scheduler does of itself.
 
+// The time that a job was given begins with its first sample.
+static double deadline_of(const struct glint_entry *e)
+{
+    return e->sketch ? INFINITY : glint_state_deadline(e);
+}
+
 static double next_deadline(const glint_scheduler *s)
 {
     double next = INFINITY;
     for (size_t i = 0; i < s->lives; i++)
         if (s->live[i]->end == GLINT_JOB_QUEUED)
-            next = fmin(next, glint_state_deadline(s->live[i]));
+            next = fmin(next, deadline_of(s->live[i]));
     return next;
 }
 
@@ -300,7 +316,7 @@ static void end_late(glint_scheduler *s)
     const double now = glint_now();
     for (size_t i = s->lives; i--;) {
         struct glint_entry *e = s->live[i];
-        if (glint_state_deadline(e) > now)
+        if (deadline_of(e) > now)
             continue;
         give_up_slices(s, e);
         end_at_stop(s, e);
@@ -350,6 +366,17 @@ static void prepare_next(glint_scheduler *s)
     glint_crew_prepare(s->crew, e, gone);
 }
 
+static void finish_next(glint_scheduler *s)
+{
+    for (size_t i = 0; i < s->lives && !s->finishing; i++) {
+        struct glint_entry *e = s->live[i];
+        if (!e->render || !e->sketch || e->next_view || e->end != GLINT_JOB_QUEUED)
+            continue;
+        s->finishing = true;
+        glint_crew_finish(s->crew, e);
+    }
+}
+
 static void move_next(glint_scheduler *s)
 {
     struct glint_entry *e = s->moving ? NULL : glint_turn_move(s->live, s->lives);
@@ -394,7 +421,7 @@ static void fail_stuck(glint_scheduler *s)
 {
     for (size_t i = s->lives; i--;) {
         struct glint_entry *e = s->live[i];
-        if (!e->dry || e->out || !glint_turn_wants(e))
+        if (!e->dry || e->out || e->sketch || !glint_turn_wants(e))
             continue;
         struct glint_error error = {0};
         glint_fail(&error, GLINT_E_INTERNAL, "", "samples are missing and no slice is left");
@@ -462,6 +489,7 @@ static void *run(void *arg)
         retry_crowded(s);
         if (!s->stopping) {
             prepare_next(s);
+            finish_next(s);
             move_next(s);
             dispatch(s);
             fail_stuck(s);
@@ -493,7 +521,7 @@ glint_status glint_scheduler_create(glint_scheduler **out, glint_devices *device
     s->workers = workers;
     pthread_mutex_init(&s->mutex, NULL);
     pthread_cond_init(&s->answer, NULL);
-    glint_status st = glint_queue_create(&s->inbox, GLINT_CREW_DEPTH * workers + 2 + COMMAND_ROOM,
+    glint_status st = glint_queue_create(&s->inbox, GLINT_CREW_DEPTH * workers + 3 + COMMAND_ROOM,
                                          sizeof(struct glint_message), err);
     if (!st)
         st = glint_crew_create(&s->crew, devices, store, s->inbox, err);

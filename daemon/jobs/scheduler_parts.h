@@ -38,6 +38,7 @@ struct glint_scheduler {
     uint32_t workers;
     bool preparing; // the preparer has an order
     double retry;   // glint_now() at which who is crowded tries again, INFINITY: none
+    bool finishing; // the finisher has one
     bool moving;    // the mover has one
     bool news;      // a state or description is another: `changed` is called at once
     bool pixels;    // new pixels: `changed` is called PIXEL_SECONDS after it was the last time

@@ -85,6 +85,7 @@ struct glint_entry {
     bool began;            // has had a slice
     bool dry;              // had no slice to give in this round of turns
     bool idle;             // live, and has reached its stop
+    bool sketch;           // has a render that is one
     uint32_t fresh;        // slices after a move that are told of at once
     double stale;          // live: glint_now() since which it should show something else, 0: not
     glint_view *next_view; // waits until no slice is out, NULL: none

@@ -14,6 +14,7 @@
 
 #define GLINT_COARSE_LOG2 1   // film tiles along a block of a live job's first sample, log2
 #define GLINT_COARSEST_LOG2 3 // its pixels lie so far apart at first
+#define GLINT_SKETCH_LOG2 2   // and in the end, of a sketch
 #define GLINT_COARSE_STEPS (GLINT_COARSEST_LOG2 + 1)
 
 // The samples being given out: [sample, sample + samples) of every pixel, in blocks of
@@ -37,6 +38,7 @@ struct glint_view {
     atomic_uint references;
     glint_render *render;          // outlives it
     glint_resident *scene;         // retained
+    glint_geometry *sketch;        // owned: what its rays go through, NULL: the scene's structure
     const struct glint_pose *pose; // lives as long as `scene`; NULL: everything as the scene has it
     struct glint_job job;          // a copy
     struct glint_camera camera;
@@ -91,12 +93,18 @@ struct glint_render {
     uint32_t captures;                   // begun so far
 };
 
-// Plan, program and constants for the job in `scene`; the film is added by the render. Compiles
-// where `like`, which may be NULL, has another program.
-glint_status glint_view_create(struct glint_view **out, glint_render *render, glint_resident *scene,
-                               const struct glint_pose *pose, const struct glint_job *job,
-                               const struct glint_view *like, uint64_t force,
-                               struct glint_error *err);
+// What a view is made for.
+struct glint_view_order {
+    glint_resident *scene;
+    const struct glint_pose *pose;
+    const struct glint_job *job;
+    const struct glint_view *like; // NULL, or one that may have the same program
+    uint64_t force;                // rows of the effects table
+    bool sketch;
+};
+// Plan, program and constants; the film is added by the render.
+glint_status glint_view_create(struct glint_view **out, glint_render *render,
+                               const struct glint_view_order *order, struct glint_error *err);
 // The render's view now, retained.
 struct glint_view *glint_view_hold(glint_render *render);
 
@@ -127,6 +135,12 @@ uint32_t glint_render_first(const glint_render *r);
 uint32_t glint_pass_count(const glint_render *r, uint32_t end);
 
 uint64_t glint_render_pixels(const glint_render *r);
+
+// Whether what it shows is thrown away.
+static inline bool glint_render_sketches(const glint_render *r)
+{
+    return r->view && r->view->sketch;
+}
 
 // The passes, under the mutex. begin: with the samples from `sample` on; end: all blocks are back.
 void glint_pass_begin(glint_render *r, uint32_t sample);

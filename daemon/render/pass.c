@@ -21,7 +21,7 @@ uint32_t glint_pass_count(const glint_render *r, uint32_t end)
 static uint32_t block_size(const struct glint_render *r, uint32_t samples)
 {
     if (samples == 1)
-        return r->job.live ? GLINT_COARSE_LOG2 + r->pass.spread_log2 : 2;
+        return r->job.live || r->pass.coarse ? GLINT_COARSE_LOG2 + r->pass.spread_log2 : 2;
     return samples <= 4 ? 1 : 0;
 }
 
@@ -65,10 +65,11 @@ static uint32_t pass_samples(uint32_t sample)
 void glint_pass_begin(struct glint_render *r, uint32_t sample)
 {
     struct glint_pass_state *p = &r->pass;
-    const uint32_t wanted = pass_samples(sample);
+    const bool sketches = glint_render_sketches(r);
+    const uint32_t wanted = sketches ? 1 : pass_samples(sample);
     p->sample = sample;
     p->samples = sample + wanted > r->target ? r->target - sample : wanted;
-    p->coarse = glint_pass_coarsens(&r->job) && sample == 0;
+    p->coarse = sketches || (glint_pass_coarsens(&r->job) && sample == 0);
     p->spread_log2 = p->coarse ? GLINT_COARSEST_LOG2 : 0;
     p->tiles_log2 = block_size(r, p->samples);
     lay_blocks(r);
@@ -252,7 +253,8 @@ bool glint_pass_stops(struct glint_render *r, uint32_t end)
 void glint_pass_end(struct glint_render *r)
 {
     if (r->pass.spread_log2) {
-        refine(r);
+        if (!glint_render_sketches(r) || r->pass.spread_log2 > GLINT_SKETCH_LOG2)
+            refine(r);
         return;
     }
     const uint32_t end = r->pass.sample + r->pass.samples;

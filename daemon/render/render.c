@@ -27,10 +27,10 @@ static bool make_coarse(struct glint_render *r)
     return ok && r->coarse;
 }
 
-static glint_status prepare(struct glint_render *r, glint_resident *scene,
-                            const struct glint_pose *pose, uint64_t force, struct glint_error *err)
+static glint_status prepare(struct glint_render *r, const struct glint_view_order *order,
+                            struct glint_error *err)
 {
-    glint_status st = glint_view_create(&r->view, r, scene, pose, &r->job, NULL, force, err);
+    glint_status st = glint_view_create(&r->view, r, order, err);
     if (!st)
         st = glint_film_create(&r->film, r->devices, &r->view->plan, &r->job,
                                glint_film_info_slots(&r->view->info), err);
@@ -46,7 +46,7 @@ static glint_status prepare(struct glint_render *r, glint_resident *scene,
     r->pass.list = r->job.adaptive ? calloc(tiles, sizeof *r->pass.list) : NULL;
     r->shares = r->job.adaptive ? calloc(tiles + 1, 1) : NULL;
     if (!r->wave || !r->tile_estimate || (coverage && !r->tile_excess) || !r->pass.redo ||
-        (glint_pass_coarsens(&r->job) && !make_coarse(r)) ||
+        ((order->sketch || glint_pass_coarsens(&r->job)) && !make_coarse(r)) ||
         (r->job.adaptive && (!r->pass.list || !r->shares)))
         return glint_fail(err, GLINT_E_NOMEM, "/resolution", "no memory for %zu tiles", tiles);
     r->target = glint_render_first(r) + r->job.stop.samples;
@@ -55,10 +55,10 @@ static glint_status prepare(struct glint_render *r, glint_resident *scene,
     return GLINT_OK;
 }
 
-glint_status glint_render_create_forced(glint_render **out, struct glint_devices *devices,
-                                        struct glint_resident *scene, const struct glint_pose *pose,
-                                        const struct glint_job *job, uint64_t force,
-                                        struct glint_error *err)
+// *order but for its job, which is the render's copy of `job`.
+static glint_status create(glint_render **out, struct glint_devices *devices,
+                           const struct glint_job *job, struct glint_view_order *order,
+                           struct glint_error *err)
 {
     *out = NULL;
     struct glint_render *r = calloc(1, sizeof *r);
@@ -67,12 +67,22 @@ glint_status glint_render_create_forced(glint_render **out, struct glint_devices
     pthread_mutex_init(&r->mutex, NULL);
     r->devices = devices;
     glint_status st = glint_job_copy(&r->job, job, err);
+    order->job = &r->job;
     if (!st)
-        st = prepare(r, scene, pose, force, err);
+        st = prepare(r, order, err);
     if (st)
         glint_render_destroy(&r);
     *out = r;
     return st;
+}
+
+glint_status glint_render_create_forced(glint_render **out, struct glint_devices *devices,
+                                        struct glint_resident *scene, const struct glint_pose *pose,
+                                        const struct glint_job *job, uint64_t force,
+                                        struct glint_error *err)
+{
+    struct glint_view_order order = {.scene = scene, .pose = pose, .force = force};
+    return create(out, devices, job, &order, err);
 }
 
 glint_status glint_render_create(glint_render **out, struct glint_devices *devices,
@@ -82,12 +92,40 @@ glint_status glint_render_create(glint_render **out, struct glint_devices *devic
     return glint_render_create_forced(out, devices, scene, pose, job, 0, err);
 }
 
+// Films of doubles are for who measures.
+static bool wants_sketch(const struct glint_resident *scene, const struct glint_job *job)
+{
+    bool robust;
+    const enum glint_geometry_kind kind = glint_render_structure(job, &robust);
+    return kind == GLINT_GEOMETRY_FLAT && job->dial[GLINT_DIAL_PRECISION] != 0 &&
+           glint_resident_is_large(scene) && !glint_resident_has_geometry(scene, kind, robust);
+}
+
+glint_status glint_render_sketch(glint_render **out, struct glint_devices *devices,
+                                 struct glint_resident *scene, const struct glint_pose *pose,
+                                 const struct glint_job *job, struct glint_error *err)
+{
+    struct glint_view_order order = {
+        .scene = scene, .pose = pose, .sketch = wants_sketch(scene, job)};
+    return create(out, devices, job, &order, err);
+}
+
+bool glint_render_is_sketch(const glint_render *render)
+{
+    struct glint_render *r = (struct glint_render *)render;
+    pthread_mutex_lock(&r->mutex);
+    const bool is = glint_render_sketches(r);
+    pthread_mutex_unlock(&r->mutex);
+    return is;
+}
+
 glint_status glint_render_move(glint_view **out, glint_render *r, struct glint_resident *scene,
                                const struct glint_pose *pose, const struct glint_job *job,
                                struct glint_error *err)
 {
     struct glint_view *now = glint_view_hold(r);
-    const glint_status st = glint_view_create(out, r, scene, pose, job, now, 0, err);
+    const struct glint_view_order order = {.scene = scene, .pose = pose, .job = job, .like = now};
+    const glint_status st = glint_view_create(out, r, &order, err);
     if (!st)
         (*out)->film = r->film;
     glint_view_release(&now);
@@ -115,6 +153,8 @@ void glint_render_restart(glint_render *r, glint_view **view)
     pthread_mutex_lock(&r->mutex);
     struct glint_view *old = r->view;
     r->view = *view;
+    if (old->sketch) // a film's counts are of its own samples
+        r->stats = (struct glint_wave_stats){0};
     atomic_store_explicit(&r->interrupted, false, memory_order_relaxed);
     glint_render_forget(r);
     pthread_mutex_unlock(&r->mutex);
@@ -314,7 +354,7 @@ void glint_render_state(const glint_render *render, struct glint_render_state *o
     struct glint_film_moment now;
     pthread_mutex_lock(&r->mutex);
     const struct glint_pass_state *p = &r->pass;
-    const double partly = p->blocks ? glint_pass_share(p) : 0.0;
+    const double partly = p->blocks && !glint_render_sketches(r) ? glint_pass_share(p) : 0.0;
     const double before = samples_before(r, p->sample);
     const double after = samples_before(r, p->sample + p->samples);
     glint_render_moment(r, &now);

@@ -9,7 +9,7 @@
 // A live job's render moves: to another revision of the scene, another camera. It starts again then
 // on the same film; who reads meanwhile gets pixels of one view, never of two.
 //
-// Threads: create/destroy by whoever prepares the job (it compiles, seconds in the worst case), and
+// Threads: create/sketch/destroy by whoever prepares the job (it compiles, seconds in the worst case), and
 // moves too; take/give_back/restart by the scheduler only; run by the worker that holds the slice;
 // state, frame and matte calls by any thread.
 #ifndef GLINT_RENDER_RENDER_H
@@ -60,7 +60,16 @@ glint_status glint_render_create(glint_render **out, struct glint_devices *devic
                                  const struct glint_job *job, struct glint_error *err);
 void glint_render_destroy(glint_render **render);
 
-// What a live render shows next: made while the old view is still refined, with the program where
+// The same, but that the structure which the job's rays go through may be one that is soon built,
+// where the scene's own is not there: the render is a sketch then, of one pixel in 8x8, then 4x4. It
+// has no sample and gives no slices after that, until it is moved and restarted, whereupon it is as
+// it would have been.
+glint_status glint_render_sketch(glint_render **out, struct glint_devices *devices,
+                                 struct glint_resident *scene, const struct glint_pose *pose,
+                                 const struct glint_job *job, struct glint_error *err);
+bool glint_render_is_sketch(const glint_render *render);
+
+// What a live render, or a sketch, shows next: made while the old view is still refined, with the program where
 // that is another. `job` is the render's with another camera.
 //   GLINT_E_RANGE, GLINT_E_CAPACITY, GLINT_E_DEVICE  as above; the render is as it was
 typedef struct glint_view glint_view;

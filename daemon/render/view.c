@@ -64,21 +64,31 @@ static void fill_info(struct glint_view *v)
     glint_render_matrices(v, info->to_camera, info->to_ndc);
 }
 
-static glint_status prepare(struct glint_view *v, const struct glint_view *like, uint64_t force,
+static glint_status find_geometry(struct glint_view *v, bool sketch, struct glint_error *err)
+{
+    bool robust;
+    const enum glint_geometry_kind kind = glint_render_structure(&v->job, &robust);
+    if (!sketch)
+        return glint_resident_geometry(v->scene, kind, robust, &v->wave_job.geometry, err);
+    const glint_status st = glint_resident_sketch(v->scene, robust, &v->sketch, err);
+    v->wave_job.geometry = v->sketch;
+    return st;
+}
+
+static glint_status prepare(struct glint_view *v, const struct glint_view_order *order,
                             struct glint_error *err)
 {
     glint_devices *devices = v->render->devices;
+    const struct glint_view *like = order->like;
     const struct glint_effect_input in = {glint_resident_facts(v->scene), &v->job, &v->camera,
                                           glint_render_camera_moves(v)};
-    bool robust;
-    const enum glint_geometry_kind kind = glint_render_structure(&v->job, &robust);
-    glint_plan_make(&v->plan, &in, force);
+    glint_plan_make(&v->plan, &in, order->force);
     fill_info(v);
     glint_status st = glint_matte_check(&v->job, v->info.mattes, "/mattes/eviction", err);
     if (!st)
         st = glint_program_get(&v->program, devices, v->plan.options, err);
     if (!st)
-        st = glint_resident_geometry(v->scene, kind, robust, &v->wave_job.geometry, err);
+        st = find_geometry(v, order->sketch, err);
     if (!st)
         st = glint_buffer_create(&v->frame, devices, sizeof(struct gk_frame), err);
     if (st)
@@ -93,10 +103,8 @@ static glint_status prepare(struct glint_view *v, const struct glint_view *like,
                                                : glint_wave_compile(devices, &v->wave_job, err);
 }
 
-glint_status glint_view_create(struct glint_view **out, glint_render *render, glint_resident *scene,
-                               const struct glint_pose *pose, const struct glint_job *job,
-                               const struct glint_view *like, uint64_t force,
-                               struct glint_error *err)
+glint_status glint_view_create(struct glint_view **out, glint_render *render,
+                               const struct glint_view_order *order, struct glint_error *err)
 {
     *out = NULL;
     struct glint_view *v = calloc(1, sizeof *v);
@@ -104,13 +112,13 @@ glint_status glint_view_create(struct glint_view **out, glint_render *render, gl
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a view");
     atomic_init(&v->references, 1);
     v->render = render;
-    v->scene = glint_resident_retain(scene);
-    v->pose = pose;
-    glint_status st = glint_job_copy(&v->job, job, err);
+    v->scene = glint_resident_retain(order->scene);
+    v->pose = order->pose;
+    glint_status st = glint_job_copy(&v->job, order->job, err);
     if (!st)
         st = choose_camera(v, err);
     if (!st)
-        st = prepare(v, like, force, err);
+        st = prepare(v, order, err);
     if (st)
         glint_view_release(&v);
     *out = v;
@@ -136,6 +144,7 @@ void glint_view_release(struct glint_view **view)
         return;
     glint_buffer_destroy(&v->frame);
     glint_program_release(&v->program);
+    glint_geometry_destroy(&v->sketch);
     glint_resident_release(&v->scene);
     glint_arena_finish(&v->job.arena);
     free(v);

@@ -105,7 +105,10 @@ static int64_t bytes_now(glint_tracer *t)
 
 static enum RTCBuildQuality quality(const struct structure *s)
 {
-    return s->build.brisk ? RTC_BUILD_QUALITY_MEDIUM : RTC_BUILD_QUALITY_HIGH;
+    static const enum RTCBuildQuality of[] = {[GLINT_GEOMETRY_FINE] = RTC_BUILD_QUALITY_HIGH,
+                                              [GLINT_GEOMETRY_BRISK] = RTC_BUILD_QUALITY_MEDIUM,
+                                              [GLINT_GEOMETRY_QUICK] = RTC_BUILD_QUALITY_LOW};
+    return of[s->build.quality];
 }
 
 // Leaves the tracer locked: structure_close() is next.

@@ -74,6 +74,7 @@ struct glint_resident {
     struct glint_matte_key *matte; // [mattes], by key; 0 and 1 unused
     uint32_t mattes;
 
+    pthread_mutex_t building;       // held while a structure is built; before `mutex`
     pthread_mutex_t mutex;          // guards what is built later: the two arrays and `stats`
     glint_geometry *geometry[2][2]; // [enum glint_geometry_kind][robust]
     glint_tracer *tracer;           // of placed bodies, shared by revisions of one origin
@@ -113,6 +114,7 @@ glint_status glint_resident_build_materials(struct glint_resident *r, struct gli
 glint_status glint_resident_build_textures(struct glint_resident *r, struct glint_error *err);
 glint_status glint_resident_build_lights(struct glint_resident *r, struct glint_error *err);
 glint_status glint_resident_build_environment(struct glint_resident *r, struct glint_error *err);
+// Builds a structure into r->geometry; with r->building where others have r by now.
 glint_status glint_resident_build_geometry(struct glint_resident *r, enum glint_geometry_kind kind,
                                            bool robust, struct glint_error *err);
 // For glint_world_tie(): rows of one mesh with the bits of one transform, or of one motion.

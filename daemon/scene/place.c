@@ -199,7 +199,9 @@ static void charge(struct glint_resident *r, const struct filling *f, double bod
 {
     const enum glint_part part = f->flat ? GLINT_PART_BVH : GLINT_PART_PLACEMENT;
     struct glint_resident_change *c = &r->change;
+    pthread_mutex_lock(&r->mutex);
     r->stats.bvh_seconds += bodies + world;
+    pthread_mutex_unlock(&r->mutex);
     if (r->made)
         return;
     c->seconds[GLINT_PART_BVH] += bodies;
@@ -211,33 +213,65 @@ static void charge(struct glint_resident *r, const struct filling *f, double bod
     c->fate[part] = GLINT_REBUILT;
 }
 
-static glint_status view(struct glint_resident *r, glint_world *world, glint_geometry **out,
+static glint_status view(const struct glint_resident *r, glint_world *world, glint_geometry **out,
                          struct glint_error *err)
 {
     *out = glint_geometry_create(world, hole_at, r);
     return *out ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a geometry");
 }
 
+// *placing: when the bodies were there.
+static glint_status build(struct filling *f, glint_geometry **out, double *placing,
+                          struct glint_error *err)
+{
+    glint_world *world = NULL;
+    glint_status st = open_filling(f, err);
+    if (!st)
+        st = find_bodies(f, err);
+    *placing = glint_now();
+    if (!st)
+        st = glint_world_create(&world, f->tracer, &f->build, fill_world, f, err);
+    if (!st)
+        st = view(f->r, world, out, err);
+    glint_world_release(&world);
+    close_filling(f);
+    return st;
+}
+
+static void keep(struct glint_resident *r, glint_geometry **at, glint_geometry *geometry)
+{
+    pthread_mutex_lock(&r->mutex);
+    *at = geometry;
+    pthread_mutex_unlock(&r->mutex);
+}
+
 glint_status glint_resident_build_geometry(struct glint_resident *r, enum glint_geometry_kind kind,
                                            bool robust, struct glint_error *err)
 {
     const bool flat = kind == GLINT_GEOMETRY_FLAT;
-    struct filling f = {.r = r, .flat = flat, .build = {robust, !flat}};
-    glint_world *world = NULL;
+    struct filling f = {
+        .r = r,
+        .flat = flat,
+        .build = {robust, flat ? GLINT_GEOMETRY_FINE : GLINT_GEOMETRY_BRISK},
+    };
+    glint_geometry *made = NULL;
+    double placing;
     const double start = glint_now();
-    glint_status st = open_filling(&f, err);
-    if (!st)
-        st = find_bodies(&f, err);
-    const double placing = glint_now();
-    if (!st)
-        st = glint_world_create(&world, f.tracer, &f.build, fill_world, &f, err);
-    if (!st)
-        st = view(r, world, &r->geometry[kind][robust], err);
-    if (!st)
-        charge(r, &f, placing - start, glint_now() - placing);
-    glint_world_release(&world);
-    close_filling(&f);
-    return st;
+    const glint_status st = build(&f, &made, &placing, err);
+    if (st)
+        return st;
+    charge(r, &f, placing - start, glint_now() - placing);
+    keep(r, &r->geometry[kind][robust], made);
+    return GLINT_OK;
+}
+
+glint_status glint_resident_sketch(glint_resident *r, bool robust, glint_geometry **out,
+                                   struct glint_error *err)
+{
+    struct filling f = {.r = r, .flat = true, .build = {robust, GLINT_GEOMETRY_QUICK}};
+    double placing;
+    *out = NULL;
+    return build(&f, out, &placing, err);
 }
 
 // ---- sharing

@@ -346,7 +346,8 @@ void glint_revision_release(glint_revision **revision)
     if (!r || atomic_fetch_sub_explicit(&r->references, 1, memory_order_acq_rel) != 1)
         return;
     if (glint_revision_loaded(r)) {
-        atomic_fetch_sub(r->resident_bytes, glint_revision_bytes(&r->stats));
+        atomic_fetch_sub(r->resident_bytes,
+                         glint_revision_bytes(&r->stats) + atomic_load(&r->later_bytes));
         while (r->poses)
             forget_pose(r, r->poses - 1);
         glint_resident_release(&r->rest.resident);
@@ -361,6 +362,16 @@ void glint_revision_release(glint_revision **revision)
     free(r->told);
     free(r->name);
     free(r);
+}
+
+void glint_revision_weigh(glint_revision *r)
+{
+    struct glint_resident_stats now;
+    glint_resident_stats(r->rest.resident, &now);
+    const uint64_t later =
+        now.bvh_bytes > r->stats.bvh_bytes ? now.bvh_bytes - r->stats.bvh_bytes : 0;
+    const uint64_t before = atomic_exchange(&r->later_bytes, later);
+    atomic_fetch_add(r->resident_bytes, later - before); // modulo 2^64
 }
 
 void glint_revision_use(glint_revision *revision, int delta)

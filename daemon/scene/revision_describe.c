@@ -8,11 +8,12 @@
 static void add_bytes(cJSON *resource, const glint_revision *r)
 {
     const struct glint_resident_stats *s = &r->stats;
-    const uint64_t poses = atomic_load(&r->pose_bytes);
-    cJSON_AddNumberToObject(resource, "resident_bytes", (double)(glint_revision_bytes(s) + poses));
+    const uint64_t poses = atomic_load(&r->pose_bytes), later = atomic_load(&r->later_bytes);
+    cJSON_AddNumberToObject(resource, "resident_bytes",
+                            (double)(glint_revision_bytes(s) + later + poses));
     cJSON *bytes = cJSON_AddObjectToObject(resource, "bytes");
     cJSON_AddNumberToObject(bytes, "geometry", (double)s->geometry_bytes);
-    cJSON_AddNumberToObject(bytes, "bvh", (double)s->bvh_bytes);
+    cJSON_AddNumberToObject(bytes, "bvh", (double)(s->bvh_bytes + later));
     cJSON_AddNumberToObject(bytes, "records", (double)s->record_bytes);
     cJSON_AddNumberToObject(bytes, "textures", (double)s->texture_bytes);
     cJSON_AddNumberToObject(bytes, "lights", (double)s->light_bytes);
@@ -22,6 +23,8 @@ static void add_bytes(cJSON *resource, const glint_revision *r)
 static void add_seconds(cJSON *resource, const glint_revision *r)
 {
     const struct glint_resident_change *change = glint_resident_change(r->rest.resident);
+    struct glint_resident_stats now;
+    glint_resident_stats(r->rest.resident, &now);
     cJSON *seconds = cJSON_AddObjectToObject(resource, "seconds");
     cJSON_AddNumberToObject(seconds, "import", r->import->seconds);
     cJSON_AddNumberToObject(seconds, "parse", r->parse_seconds);
@@ -29,7 +32,7 @@ static void add_seconds(cJSON *resource, const glint_revision *r)
     for (int p = 0; p < GLINT_PARTS; p++)
         if (p != GLINT_PART_TEXTURES && p != GLINT_PART_LIGHTS && p != GLINT_PART_BVH)
             cJSON_AddNumberToObject(seconds, glint_part_name[p], change->seconds[p]);
-    cJSON_AddNumberToObject(seconds, "bvh", r->stats.bvh_seconds);
+    cJSON_AddNumberToObject(seconds, "bvh", now.bvh_seconds);
     cJSON_AddNumberToObject(seconds, "textures", r->stats.texture_seconds);
     cJSON_AddNumberToObject(seconds, "lights", r->stats.light_seconds);
 }

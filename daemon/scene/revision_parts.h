@@ -31,7 +31,8 @@ struct glint_revision {
     pthread_mutex_t loading; // held by who loads
     struct glint_error why;  // GLINT_REVISION_FAILED
     double parse_seconds;
-    struct glint_resident_stats stats;
+    struct glint_resident_stats stats; // as it was loaded
+    _Atomic uint64_t later_bytes;      // of structures that were built since
     _Atomic uint64_t *resident_bytes;
     pthread_mutex_t mutex; // guards what follows
     struct glint_cached_pose pose[GLINT_MAX_POSES];

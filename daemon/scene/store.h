@@ -96,6 +96,8 @@ struct glint_resident *glint_revision_resident(const glint_revision *revision); 
 //   GLINT_E_CAPACITY  the pose does not fit
 glint_status glint_revision_pose(glint_revision *revision, const struct glint_job *job,
                                  struct glint_posed *out, struct glint_error *err);
+// Counts the bytes of structures that were built for the scene at rest since it was loaded.
+void glint_revision_weigh(glint_revision *revision);
 const char *glint_revision_id(const glint_revision *revision); // 64 hex digits
 const char *glint_revision_native(const glint_revision *revision, size_t *length);
 // The scene resource of PROTOCOL.md with warnings, effects, bytes by kind, seconds by load stage.

@@ -34,12 +34,13 @@ struct glint_render {
     uint32_t sample, back; // the pass, its blocks given back
     unsigned char *block;  // [width] enum block_state
     bool interrupted;
-    unsigned running; // slices at workers
+    bool sketch, shown; // all blocks of a sketch are back
+    unsigned running;   // slices at workers
 };
 
 // How the job with a seed behaves.
 struct behaviour {
-    bool fail_slice, stuck, fail_move;
+    bool fail_slice, stuck, fail_move, sketch;
     glint_status create_status;
     unsigned create_failures;
     double seconds;
@@ -221,6 +222,13 @@ void fake_stick(uint32_t seed)
     unlock();
 }
 
+void fake_sketch(uint32_t seed)
+{
+    lock();
+    behaviour[seed].sketch = true;
+    unlock();
+}
+
 void fake_slice_seconds(uint32_t seed, double seconds)
 {
     lock();
@@ -351,6 +359,27 @@ glint_status glint_render_create(glint_render **out, struct glint_devices *d,
     return GLINT_OK;
 }
 
+glint_status glint_render_sketch(glint_render **out, struct glint_devices *d,
+                                 struct glint_resident *scene, const struct glint_pose *pose,
+                                 const struct glint_job *job, struct glint_error *err)
+{
+    const glint_status st = glint_render_create(out, d, scene, pose, job, err);
+    if (!st) {
+        lock();
+        (*out)->sketch = behaviour[job->seed].sketch;
+        unlock();
+    }
+    return st;
+}
+
+bool glint_render_is_sketch(const glint_render *r)
+{
+    lock();
+    const bool is = r->sketch;
+    unlock();
+    return is;
+}
+
 void glint_render_destroy(glint_render **render)
 {
     if (!*render)
@@ -372,7 +401,7 @@ glint_status glint_render_move(glint_view **out, glint_render *r, struct glint_r
     (void)pose;
     *out = NULL;
     lock();
-    must(r->job.live, "only a live job moves");
+    must(r->job.live || r->sketch, "only a live job moves, or a sketch");
     moves++;
     pthread_cond_broadcast(&changed);
     while (move_held)
@@ -428,7 +457,7 @@ void glint_render_restart(glint_render *r, glint_view **view)
         r->block[i] = BLOCK_FREE;
     }
     r->sample = r->back = 0;
-    r->interrupted = false;
+    r->interrupted = r->sketch = r->shown = false;
     restarts++;
     fov = (*view)->job.camera.yfov;
     unlock();
@@ -440,8 +469,8 @@ bool glint_render_take(glint_render *r, struct glint_slice *out)
     uint32_t i = 0;
     while (i < r->job.width && r->block[i] != BLOCK_FREE)
         i++;
-    const bool any =
-        i < r->job.width && r->sample < r->job.stop.samples && !behaviour[r->job.seed].stuck;
+    const bool any = i < r->job.width && r->sample < r->job.stop.samples &&
+                     !behaviour[r->job.seed].stuck && !r->shown;
     if (any)
         r->block[i] = BLOCK_TAKEN;
     *out = (struct glint_slice){.block = i, .sample = r->sample, .samples = 1};
@@ -500,7 +529,8 @@ void glint_render_give_back(glint_render *r, const struct glint_slice *slice, bo
          "what is given back was taken, and run if it is done");
     r->block[slice->block] = done ? BLOCK_BACK : BLOCK_FREE;
     r->back += done;
-    if (r->back == r->job.width) {
+    r->shown = r->sketch && r->back == r->job.width;
+    if (r->back == r->job.width && !r->sketch) {
         r->sample++;
         r->back = 0;
         for (uint32_t i = 0; i < r->job.width; i++)

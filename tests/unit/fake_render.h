@@ -41,6 +41,8 @@ uint32_t fake_restarts(void);
 int fake_views(void); // that live
 // take() answers false before the first slice, though none has been taken.
 void fake_stick(uint32_t seed);
+// The job begins as a sketch: each block once, and no more until it is moved.
+void fake_sketch(uint32_t seed);
 // Each slice of the job spins for so long.
 void fake_slice_seconds(uint32_t seed, double seconds);
 
