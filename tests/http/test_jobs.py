@@ -192,6 +192,7 @@ def test_a_finished_job_goes_on_after_a_restart():
         job = daemon.submit(scene="room", stop={"samples": 7}, seed=3)
         daemon.frame(job)
         rays = daemon.job(job)["rays"]["camera"]
+        daemon.wait(lambda: (daemon.job(job)["checkpoint"] or {}).get("samples") == 7, "no last film")
         daemon.kill()
         daemon.start()
         assert patch(daemon, job, {"stop": {"samples": 5}}).status == 409
