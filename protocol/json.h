@@ -79,6 +79,9 @@ bool glint_json_floats(const struct glint_json *at, size_t count, float low, flo
                        float *out);
 bool glint_json_uints(const struct glint_json *at, size_t count, uint32_t low, uint32_t high,
                       uint32_t *out);
+// The same of an array whose length is known: out has as many.
+bool glint_json_all_floats(const struct glint_json *at, float low, float high, float *out);
+bool glint_json_all_uints(const struct glint_json *at, uint32_t low, uint32_t high, uint32_t *out);
 // Number of elements; a fault if it is no array. Absent: 0.
 bool glint_json_length(const struct glint_json *at, size_t *out);
 

@@ -231,10 +231,11 @@ static bool counted(const struct glint_json *at, size_t count)
 
 bool glint_json_floats(const struct glint_json *at, size_t count, float low, float high, float *out)
 {
-    if (!at->value)
-        return true;
-    if (!counted(at, count))
-        return false;
+    return !at->value || (counted(at, count) && glint_json_all_floats(at, low, high, out));
+}
+
+bool glint_json_all_floats(const struct glint_json *at, float low, float high, float *out)
+{
     bool fine = true;
     size_t i = 0;
     for (const cJSON *child = at->value->child; child && !enough(at); child = child->next, i++) {
@@ -247,10 +248,11 @@ bool glint_json_floats(const struct glint_json *at, size_t count, float low, flo
 bool glint_json_uints(const struct glint_json *at, size_t count, uint32_t low, uint32_t high,
                       uint32_t *out)
 {
-    if (!at->value)
-        return true;
-    if (!counted(at, count))
-        return false;
+    return !at->value || (counted(at, count) && glint_json_all_uints(at, low, high, out));
+}
+
+bool glint_json_all_uints(const struct glint_json *at, uint32_t low, uint32_t high, uint32_t *out)
+{
     bool fine = true;
     size_t i = 0;
     for (const cJSON *child = at->value->child; child && !enough(at); child = child->next, i++) {

@@ -19,7 +19,7 @@ static bool read_floats(struct glint_scene_reader *r, const struct glint_json *m
     if (!values)
         return glint_scene_no_memory(r);
     *out = values;
-    return glint_json_floats(&at, count, -GLINT_MAX_COORDINATE, GLINT_MAX_COORDINATE, values);
+    return glint_json_all_floats(&at, -GLINT_MAX_COORDINATE, GLINT_MAX_COORDINATE, values);
 }
 
 // The number of triples in a list, or 0 with a fault.
@@ -51,7 +51,7 @@ static bool read_indices(struct glint_scene_reader *r, const struct glint_json *
         return glint_scene_no_memory(r);
     m->index = index;
     if (at.value)
-        return glint_json_uints(&at, (size_t)m->triangles * 3, 0, m->vertices - 1, index);
+        return glint_json_all_uints(&at, 0, m->vertices - 1, index);
     for (uint32_t i = 0; i < m->vertices; i++)
         index[i] = i;
     return true;
@@ -103,7 +103,7 @@ static bool read_displacements(struct glint_scene_reader *r, const struct glint_
     if (!*out)
         return glint_scene_no_memory(r);
     float *values = (float *)*out + target->index * count;
-    return glint_json_floats(&at, count, -GLINT_MAX_COORDINATE, GLINT_MAX_COORDINATE, values);
+    return glint_json_all_floats(&at, -GLINT_MAX_COORDINATE, GLINT_MAX_COORDINATE, values);
 }
 
 static bool read_target(struct glint_scene_reader *r, const struct glint_json *at,

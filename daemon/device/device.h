@@ -61,7 +61,8 @@ bool glint_program_foresee(glint_devices *devices, const char *options);
 bool glint_program_foresee_known(glint_devices *devices);
 void glint_devices_hurry(glint_devices *devices);
 // Loads what was used last, in this process or one before: the next job most likely wants it too.
-void glint_program_recall(glint_devices *devices);
+// False: there is nothing.
+bool glint_program_recall(glint_devices *devices);
 
 // Page-aligned zeroed memory of `bytes`, visible to kernels as it is. GLINT_E_CAPACITY over 1 GiB.
 // Counted: retain and destroy by any thread, the last destroy frees.

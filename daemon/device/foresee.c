@@ -78,18 +78,19 @@ static bool is_ours(const glint_devices *devices, const struct known *k)
     return glint_program_key_of(key, devices, devices->source, k->options) && !strcmp(key, k->key);
 }
 
-void glint_program_recall(glint_devices *devices)
+bool glint_program_recall(glint_devices *devices)
 {
-    glint_program *program;
+    glint_program *program = NULL;
     const struct known *newest = NULL;
     struct all_known *all = read_known(devices);
     for (size_t i = 0; all && i < all->count; i++)
         if (is_ours(devices, &all->known[i]) && (!newest || all->known[i].unused < newest->unused))
             newest = &all->known[i];
-    if (newest && !glint_program_get(&program, devices, newest->options, NULL))
-        glint_program_release(&program);
+    const bool found = newest && !glint_program_get(&program, devices, newest->options, NULL);
+    glint_program_release(&program);
     if (all)
         forget(all);
+    return found;
 }
 
 bool glint_program_foresee_known(glint_devices *devices)

