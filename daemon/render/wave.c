@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "kernels/gk_film.h"
+#include "kernels/gk_scene.h"
 #include "kernels/gk_wave.h"
 #include "render/hold.h"
 
@@ -96,8 +97,33 @@ static glint_status generate(struct glint_run *r)
     return st;
 }
 
+// What the caches of a core hold anyway is not worth asking for.
+#define FETCHED_BYTES ((size_t)1 << 20)
+
+// Asks for the shading records of the hits, which lie all over memory: the kernel wants them 16 at a
+// time, and waits for each 16.
+static void fetch_records(const struct glint_run *r, uint32_t n)
+{
+    const uint32_t *columns = glint_buffer_host(r->wave->columns);
+    const uint32_t *primitive = columns + (size_t)GK_COL_PRIMITIVE * STRIDE;
+    const uint32_t *geometry = columns + (size_t)GK_COL_GEOMETRY * STRIDE;
+    const uint32_t *instance = columns + (size_t)GK_COL_INSTANCE * STRIDE;
+    glint_buffer *rows = glint_resident_table(r->job->scene, GLINT_TABLE_INSTANCES);
+    glint_buffer *records = glint_resident_table(r->job->scene, GLINT_TABLE_TRIANGLES);
+    const struct gk_instance *row = glint_buffer_host(rows);
+    const struct gk_triangle *triangle = glint_buffer_host(records);
+    if (glint_buffer_bytes(records) < FETCHED_BYTES)
+        return;
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t k = instance[i] != GK_NONE ? instance[i] : geometry[i];
+        if (k != GK_NONE)
+            __builtin_prefetch(triangle + row[k].triangle + primitive[i]);
+    }
+}
+
 static glint_status shade(struct glint_run *r, uint32_t n)
 {
+    fetch_records(r, n);
     const uint32_t stride = STRIDE;
     struct glint_arg args[5 + GLINT_TABLES] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(n),
                                                BUFFER(r->job->frame), BUFFER(r->wave->rect)};
