@@ -36,10 +36,11 @@ GK_INLINE struct gk_energy_place gk_energy_find(gk_f32 x)
     return p;
 }
 
-GK_INLINE gk_f32 gk_energy_row(const GK_GLOBAL gk_f32 *row, struct gk_energy_place at)
+// Between entry `at` of the table and the next.
+GK_INLINE gk_f32 gk_energy_row(const GK_GLOBAL gk_f32 *table, gk_i32 at, gk_f32 weight)
 {
-    const gk_f32 a = row[at.lower], b = row[at.lower + 1];
-    return a + (b - a) * at.weight;
+    const gk_f32 a = table[at], b = table[at + 1];
+    return a + (b - a) * weight;
 }
 
 // part: offset of its first entry.
@@ -47,14 +48,16 @@ GK_INLINE gk_f32 gk_energy_albedo(const GK_GLOBAL gk_f32 *table, gk_i32 part, gk
                                   gk_f32 alpha)
 {
     const struct gk_energy_place x = gk_energy_find(cosine), y = gk_energy_find(alpha);
-    const GK_GLOBAL gk_f32 *row = table + part + y.lower * GK_ENERGY_SIDE;
-    const gk_f32 a = gk_energy_row(row, x), b = gk_energy_row(row + GK_ENERGY_SIDE, x);
+    const gk_i32 at = part + y.lower * GK_ENERGY_SIDE + x.lower;
+    const gk_f32 a = gk_energy_row(table, at, x.weight);
+    const gk_f32 b = gk_energy_row(table, at + GK_ENERGY_SIDE, x.weight);
     return a + (b - a) * y.weight;
 }
 
 GK_INLINE gk_f32 gk_energy_mean(const GK_GLOBAL gk_f32 *table, gk_i32 part, gk_f32 alpha)
 {
-    return gk_energy_row(table + part + GK_ENERGY_SIDE * GK_ENERGY_SIDE, gk_energy_find(alpha));
+    const struct gk_energy_place at = gk_energy_find(alpha);
+    return gk_energy_row(table, part + GK_ENERGY_SIDE * GK_ENERGY_SIDE + at.lower, at.weight);
 }
 
 #endif

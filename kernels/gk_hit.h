@@ -21,6 +21,11 @@ struct gk_resident {
     struct gk_texture_pools textures;
 };
 
+#define GK_TRIANGLE(r, index, member) GK_READ((r)->triangle, gk_triangle, index, member)
+#define GK_TANGENT(r, index, member) GK_READ((r)->tangent, gk_tangent, index, member)
+#define GK_INSTANCE(r, index, member) GK_READ((r)->instance, gk_instance, index, member)
+#define GK_MATERIAL(r, index, member) GK_READ((r)->material, gk_material, index, member)
+
 // A hit as the tracer reports it.
 struct gk_raw_hit {
     gk_u32 primitive, geometry, instance;
@@ -42,24 +47,26 @@ struct gk_hit {
     gk_u32 material;
 };
 
-GK_INLINE struct gk_vec gk_interpolate3(const GK_GLOBAL gk_f32 *a, gk_f32 u, gk_f32 v)
+GK_INLINE struct gk_vec gk_interpolate3(struct gk_vec a, struct gk_vec b, struct gk_vec c, gk_f32 u,
+                                        gk_f32 v)
 {
     const gk_f32 w = 1.0f - u - v;
-    return gk_vec(w * a[0] + u * a[3] + v * a[6], w * a[1] + u * a[4] + v * a[7],
-                  w * a[2] + u * a[5] + v * a[8]);
+    return gk_vec(w * a.x + u * b.x + v * c.x, w * a.y + u * b.y + v * c.y,
+                  w * a.z + u * b.z + v * c.z);
 }
 
 // Texture coordinates at barycentrics (u, v) of a record.
 GK_INLINE struct gk_coordinates gk_coordinates_at(const struct gk_resident *r, gk_u32 triangle,
                                                   gk_f32 u, gk_f32 v)
 {
-    const GK_GLOBAL gk_f32 *uv = r->triangle[triangle].uv;
     const gk_f32 w = 1.0f - u - v;
     struct gk_coordinates at;
-    at.u = w * uv[0] + u * uv[2] + v * uv[4];
-    at.v = w * uv[1] + u * uv[3] + v * uv[5];
+    at.u = w * GK_TRIANGLE(r, triangle, uv[0]) + u * GK_TRIANGLE(r, triangle, uv[2]) +
+           v * GK_TRIANGLE(r, triangle, uv[4]);
+    at.v = w * GK_TRIANGLE(r, triangle, uv[1]) + u * GK_TRIANGLE(r, triangle, uv[3]) +
+           v * GK_TRIANGLE(r, triangle, uv[5]);
 #ifdef GK_UV1
-    const gk_i32 has = (r->triangle[triangle].flags & GK_TRIANGLE_UV1) != 0u;
+    const gk_i32 has = (GK_TRIANGLE(r, triangle, flags) & GK_TRIANGLE_UV1) != 0u;
     const GK_GLOBAL gk_f32 *uv1 = r->uv1[has ? triangle : 0u].uv;
     at.u1 = has ? w * uv1[0] + u * uv1[2] + v * uv1[4] : 0.0f;
     at.v1 = has ? w * uv1[1] + u * uv1[3] + v * uv1[5] : 0.0f;
@@ -86,18 +93,17 @@ GK_INLINE struct gk_vec gk_turn_row(const GK_GLOBAL struct gk_turn *turn, gk_u32
 }
 #endif
 
-GK_INLINE struct gk_turning gk_instance_turning(const struct gk_resident *r,
-                                                const GK_GLOBAL struct gk_instance *row,
+GK_INLINE struct gk_turning gk_instance_turning(const struct gk_resident *r, gk_u32 row,
                                                 const struct gk_raw_hit *raw)
 {
     struct gk_turning t;
 #ifdef GK_INSTANCES
-    const GK_GLOBAL gk_f32 *m = row->normal;
-    t.a = gk_vec(m[0], m[1], m[2]);
-    t.b = gk_vec(m[3], m[4], m[5]);
-    t.c = gk_vec(m[6], m[7], m[8]);
-    t.turns = (row->flags & GK_INSTANCE_TRANSFORMED) != 0u;
-    t.sign = (row->flags & GK_INSTANCE_MIRRORED) != 0u ? -1.0f : 1.0f;
+    const gk_u32 flags = GK_INSTANCE(r, row, flags);
+    t.a = GK_TRIPLE(GK_INSTANCE, r, row, normal, 0);
+    t.b = GK_TRIPLE(GK_INSTANCE, r, row, normal, 3);
+    t.c = GK_TRIPLE(GK_INSTANCE, r, row, normal, 6);
+    t.turns = (flags & GK_INSTANCE_TRANSFORMED) != 0u;
+    t.sign = (flags & GK_INSTANCE_MIRRORED) != 0u ? -1.0f : 1.0f;
 #else
     t.a = gk_vec(1.0f, 0.0f, 0.0f);
     t.b = gk_vec(0.0f, 1.0f, 0.0f);
@@ -106,7 +112,8 @@ GK_INLINE struct gk_turning gk_instance_turning(const struct gk_resident *r,
     t.sign = 1.0f;
 #endif
 #ifdef GK_MOTION
-    const gk_u32 first = row->mover == GK_NONE ? GK_NONE : r->mover[row->mover].turn;
+    const gk_u32 mover = GK_INSTANCE(r, row, mover);
+    const gk_u32 first = mover == GK_NONE ? GK_NONE : r->mover[mover].turn;
     const gk_i32 moves = first != GK_NONE;
     const GK_GLOBAL struct gk_turn *turn = r->turn + (moves ? first + raw->key : 0u);
     t.a = gk_vec_select(t.a, gk_turn_row(turn, 0u, raw->w), moves);
@@ -153,31 +160,31 @@ struct gk_map_frame {
     gk_f32 side;           // of the bitangent
 };
 
-GK_INLINE struct gk_vec gk_tangent_at(const GK_GLOBAL struct gk_tangent *record, gk_f32 u, gk_f32 v)
+GK_INLINE struct gk_vec gk_tangent_at(const struct gk_resident *r, gk_u32 record, gk_f32 u,
+                                      gk_f32 v)
 {
-    const GK_GLOBAL gk_f32 *t = record->tangent;
-    const gk_f32 w = 1.0f - u - v;
-    return gk_vec(w * t[0] + u * t[4] + v * t[8], w * t[1] + u * t[5] + v * t[9],
-                  w * t[2] + u * t[6] + v * t[10]);
+    return gk_interpolate3(GK_TRIPLE(GK_TANGENT, r, record, tangent, 0),
+                           GK_TRIPLE(GK_TANGENT, r, record, tangent, 4),
+                           GK_TRIPLE(GK_TANGENT, r, record, tangent, 8), u, v);
 }
 
 GK_INLINE struct gk_map_frame gk_map_frame_at(const struct gk_resident *r, gk_u32 triangle,
                                               gk_u32 stride, const struct gk_raw_hit *raw,
                                               const struct gk_turning *turning)
 {
-    const GK_GLOBAL struct gk_tangent *record = r->tangent + triangle;
-    struct gk_vec tangent = gk_tangent_at(record, raw->u, raw->v);
+    gk_u32 record = triangle;
+    struct gk_vec tangent = gk_tangent_at(r, record, raw->u, raw->v);
 #ifdef GK_MOTION
     record += raw->key * stride;
-    const struct gk_vec from = gk_tangent_at(record, raw->u, raw->v);
-    const struct gk_vec to = gk_tangent_at(record + stride, raw->u, raw->v);
+    const struct gk_vec from = gk_tangent_at(r, record, raw->u, raw->v);
+    const struct gk_vec to = gk_tangent_at(r, record + stride, raw->u, raw->v);
     tangent = gk_along(from, gk_sub(to, from), raw->w);
 #else
     (void)stride;
 #endif
     struct gk_map_frame f;
     f.tangent = gk_instance_vector(turning, tangent);
-    f.side = record->tangent[3] * turning->sign;
+    f.side = GK_TANGENT(r, record, tangent[3]) * turning->sign;
     return f;
 }
 
@@ -209,11 +216,11 @@ GK_INLINE struct gk_vec gk_turned_normal(struct gk_vec n, struct gk_vec ng, stru
 }
 
 // Records from a motion key to the next, 0 of a mesh that keeps its shape.
-GK_INLINE gk_u32 gk_deforming_stride(const struct gk_resident *r,
-                                     const GK_GLOBAL struct gk_instance *row)
+GK_INLINE gk_u32 gk_deforming_stride(const struct gk_resident *r, gk_u32 row)
 {
 #ifdef GK_MOTION
-    return row->mover == GK_NONE ? 0u : r->mover[row->mover].stride;
+    const gk_u32 mover = GK_INSTANCE(r, row, mover);
+    return mover == GK_NONE ? 0u : r->mover[mover].stride;
 #else
     (void)r;
     (void)row;
@@ -221,18 +228,26 @@ GK_INLINE gk_u32 gk_deforming_stride(const struct gk_resident *r,
 #endif
 }
 
+GK_INLINE struct gk_vec gk_triangle_normal(const struct gk_resident *r, gk_u32 triangle, gk_f32 u,
+                                           gk_f32 v)
+{
+    return gk_interpolate3(GK_TRIPLE(GK_TRIANGLE, r, triangle, normal, 0),
+                           GK_TRIPLE(GK_TRIANGLE, r, triangle, normal, 3),
+                           GK_TRIPLE(GK_TRIANGLE, r, triangle, normal, 6), u, v);
+}
+
 // Interpolated over the triangle and between the keys, not normalised; zero: the mesh is flat.
-GK_INLINE struct gk_vec gk_smooth_normal(const GK_GLOBAL struct gk_triangle *tri, gk_u32 stride,
-                                         const struct gk_raw_hit *raw)
+GK_INLINE struct gk_vec gk_smooth_normal(const struct gk_resident *r, gk_u32 triangle,
+                                         gk_u32 stride, const struct gk_raw_hit *raw)
 {
 #ifdef GK_MOTION
-    const GK_GLOBAL struct gk_triangle *at = tri + raw->key * stride;
-    const struct gk_vec from = gk_interpolate3(at->normal, raw->u, raw->v);
-    const struct gk_vec to = gk_interpolate3((at + stride)->normal, raw->u, raw->v);
+    const gk_u32 at = triangle + raw->key * stride;
+    const struct gk_vec from = gk_triangle_normal(r, at, raw->u, raw->v);
+    const struct gk_vec to = gk_triangle_normal(r, at + stride, raw->u, raw->v);
     return gk_along(from, gk_sub(to, from), raw->w);
 #else
     (void)stride;
-    return gk_interpolate3(tri->normal, raw->u, raw->v);
+    return gk_triangle_normal(r, triangle, raw->u, raw->v);
 #endif
 }
 
@@ -242,13 +257,12 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
 {
     struct gk_hit hit;
     hit.instance = raw.instance != GK_NONE ? raw.instance : raw.geometry;
-    const GK_GLOBAL struct gk_instance *row = r->instance + hit.instance;
-    hit.triangle = row->triangle + raw.primitive;
-    hit.material = row->material;
+    const gk_u32 row = hit.instance;
+    hit.triangle = GK_INSTANCE(r, row, triangle) + raw.primitive;
+    hit.material = GK_INSTANCE(r, row, material);
     hit.eta = 0.0f;
     hit.u = raw.u;
     hit.v = raw.v;
-    const GK_GLOBAL struct gk_triangle *tri = r->triangle + hit.triangle;
     hit.at = gk_coordinates_at(r, hit.triangle, raw.u, raw.v);
 
     // As long as its triangle is large: the square of a small one's would underflow.
@@ -257,21 +271,22 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
     hit.cos_g = gk_dot(front, d);
     hit.ng = gk_vec_select(front, gk_negate(front), hit.cos_g > 0.0f);
     const gk_u32 stride = gk_deforming_stride(r, row);
-    const struct gk_vec smooth = gk_smooth_normal(tri, stride, &raw);
+    const struct gk_vec smooth = gk_smooth_normal(r, hit.triangle, stride, &raw);
     const gk_i32 flat = gk_dot(smooth, smooth) == 0.0f;
     struct gk_vec ns = gk_normalise(gk_instance_normal(&turning, smooth));
     ns = gk_vec_select(ns, hit.ng, flat);
 #ifdef GK_NORMAL_MAPS
     // The map is made for the side that the normals point to; turn afterwards.
-    const GK_GLOBAL struct gk_material *m = r->material + hit.material;
     hit.ns = gk_vec_select(ns, front, flat);
     const struct gk_map_frame map = gk_map_frame_at(r, hit.triangle, stride, &raw, &turning);
-    ns = gk_mapped_normal(r, &hit, &map, m->normal_texture, m->normal_scale);
+    ns = gk_mapped_normal(r, &hit, &map, GK_MATERIAL(r, hit.material, normal_texture),
+                          GK_MATERIAL(r, hit.material, normal_scale));
 #endif
 #ifdef GK_CLEARCOAT
 #ifdef GK_NORMAL_MAPS
     const struct gk_vec nc =
-        gk_mapped_normal(r, &hit, &map, m->coat_normal_texture, m->coat_normal_scale);
+        gk_mapped_normal(r, &hit, &map, GK_MATERIAL(r, hit.material, coat_normal_texture),
+                         GK_MATERIAL(r, hit.material, coat_normal_scale));
 #else
     const struct gk_vec nc = ns;
 #endif
@@ -284,8 +299,8 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
 // Mean curvature of the surface where it was hit, 1/m; > 0: it bulges towards the ray.
 GK_INLINE gk_f32 gk_hit_curvature(const struct gk_resident *r, const struct gk_hit *hit)
 {
-    const gk_f32 of_mesh = gk_as_f32(r->triangle[hit->triangle].flags & GK_TRIANGLE_CURVATURE);
-    const gk_f32 curvature = of_mesh * r->instance[hit->instance].shrink;
+    const gk_f32 of_mesh = gk_as_f32(GK_TRIANGLE(r, hit->triangle, flags) & GK_TRIANGLE_CURVATURE);
+    const gk_f32 curvature = of_mesh * GK_INSTANCE(r, hit->instance, shrink);
     return hit->cos_g > 0.0f ? -curvature : curvature;
 }
 

@@ -35,15 +35,19 @@ GK_INLINE gk_f32 gk_point_error(struct gk_vec p, gk_f32 t)
     return (gk_abs(p.x) + gk_abs(p.y) + gk_abs(p.z) + t) * 1.9073486e-6f;
 }
 
-// Probability with which the table takes a light, `lights` of them.
-GK_INLINE gk_f32 gk_light_choice(const GK_GLOBAL struct gk_light *light, gk_u32 lights)
+#define GK_LIGHT(lights, index, member) GK_READ(lights, gk_light, index, member)
+
+// Probability with which the table takes a light, one of `count`.
+GK_INLINE gk_f32 gk_light_choice(const GK_GLOBAL struct gk_light *lights, gk_u32 index,
+                                 gk_u32 count)
 {
 #ifdef GK_LIGHTS_UNIFORM
-    (void)light;
-    return 1.0f / (gk_f32)(gk_i32)lights;
-#else
     (void)lights;
-    return light->choice;
+    (void)index;
+    return 1.0f / (gk_f32)(gk_i32)count;
+#else
+    (void)count;
+    return GK_LIGHT(lights, index, choice);
 #endif
 }
 
@@ -74,21 +78,27 @@ struct gk_light_place {
     struct gk_vec p, a, b; // of gk_light
 };
 
-GK_INLINE struct gk_light_place gk_light_place_at(const GK_GLOBAL struct gk_light *light,
-                                                  struct gk_light_keys k)
+GK_INLINE struct gk_light_place gk_light_place_read(const GK_GLOBAL struct gk_light *lights,
+                                                    gk_u32 i)
 {
     struct gk_light_place l;
-    const GK_GLOBAL struct gk_light *from = light + k.from;
-    l.p = gk_vec(from->p[0], from->p[1], from->p[2]);
-    l.a = gk_vec(from->a[0], from->a[1], from->a[2]);
-    l.b = gk_vec(from->b[0], from->b[1], from->b[2]);
+    l.p = GK_TRIPLE(GK_LIGHT, lights, i, p, 0);
+    l.a = GK_TRIPLE(GK_LIGHT, lights, i, a, 0);
+    l.b = GK_TRIPLE(GK_LIGHT, lights, i, b, 0);
+    return l;
+}
+
+GK_INLINE struct gk_light_place gk_light_place_at(const GK_GLOBAL struct gk_light *lights,
+                                                  gk_u32 index, struct gk_light_keys k)
+{
+    struct gk_light_place l = gk_light_place_read(lights, index + k.from);
 #ifdef GK_MOTION
-    const GK_GLOBAL struct gk_light *to = light + k.to;
+    const struct gk_light_place to = gk_light_place_read(lights, index + k.to);
     const gk_i32 moves = k.to != k.from;
-    const gk_u32 kind = light->kind & GK_LIGHT_KIND;
-    l.p = gk_along(l.p, gk_sub(gk_vec(to->p[0], to->p[1], to->p[2]), l.p), k.w);
-    l.a = gk_along(l.a, gk_sub(gk_vec(to->a[0], to->a[1], to->a[2]), l.a), k.w);
-    l.b = gk_along(l.b, gk_sub(gk_vec(to->b[0], to->b[1], to->b[2]), l.b), k.w);
+    const gk_u32 kind = GK_LIGHT(lights, index, kind) & GK_LIGHT_KIND;
+    l.p = gk_along(l.p, gk_sub(to.p, l.p), k.w);
+    l.a = gk_along(l.a, gk_sub(to.a, l.a), k.w);
+    l.b = gk_along(l.b, gk_sub(to.b, l.b), k.w);
     // Directions stay unit: that of a sun, the axis of a spot.
     l.p = gk_vec_select(l.p, gk_normalise(l.p), moves && kind == GK_LIGHT_SUN);
     l.a = gk_vec_select(l.a, gk_normalise(l.a), moves && kind == GK_LIGHT_POINT);
@@ -96,13 +106,13 @@ GK_INLINE struct gk_light_place gk_light_place_at(const GK_GLOBAL struct gk_ligh
     return l;
 }
 
-// Solid-angle pdf with which NEE would have taken the point on triangle light `light` that a ray
+// Solid-angle pdf with which NEE would have taken the point on triangle light `index` that a ray
 // of length t hit under the cosine `cosine` (absolute); choice: probability of choosing it at all.
-GK_INLINE gk_f32 gk_triangle_light_pdf(const GK_GLOBAL struct gk_light *light,
+GK_INLINE gk_f32 gk_triangle_light_pdf(const GK_GLOBAL struct gk_light *lights, gk_u32 index,
                                        struct gk_light_keys keys, gk_f32 t, gk_f32 cosine,
                                        gk_f32 choice)
 {
-    const struct gk_light_place place = gk_light_place_at(light, keys);
+    const struct gk_light_place place = gk_light_place_at(lights, index, keys);
     const struct gk_vec n = gk_cross(place.a, place.b);
     const gk_f32 area = 0.5f * gk_sqrt(gk_dot(n, n));
     return choice * t * t / (gk_max(cosine, 1e-7f) * area);
@@ -153,29 +163,32 @@ GK_INLINE gk_u32 gk_alias_choose(const GK_GLOBAL struct gk_alias *table, gk_u32 
     (void)table;
     return i;
 #else
-    return gk_light_pair_below(r, table[i].keep) ? i : table[i].other;
+    const gk_f32 keep = GK_READ(table, gk_alias, i, keep);
+    const gk_u32 other = GK_READ(table, gk_alias, i, other);
+    return gk_light_pair_below(r, keep) ? i : other;
 #endif
 }
 
-// A light of the table as seen from p, chosen with probability `choice`.
-GK_INLINE struct gk_light_sample gk_light_from_table(const GK_GLOBAL struct gk_light *light,
-                                                     struct gk_light_keys keys, struct gk_vec p,
-                                                     gk_f32 choice, gk_f32 u, gk_f32 v)
+// Light `index` of the table as seen from p, chosen with probability `choice`.
+GK_INLINE struct gk_light_sample gk_light_from_table(const GK_GLOBAL struct gk_light *lights,
+                                                     gk_u32 index, struct gk_light_keys keys,
+                                                     struct gk_vec p, gk_f32 choice, gk_f32 u,
+                                                     gk_f32 v)
 {
     struct gk_light_sample s;
-    const struct gk_light_place place = gk_light_place_at(light, keys);
+    const struct gk_light_place place = gk_light_place_at(lights, index, keys);
     const struct gk_vec position = place.p, a = place.a, b = place.b;
-    const gk_u32 kind = light->kind & GK_LIGHT_KIND;
-    s.L = gk_vec(light->L[0], light->L[1], light->L[2]);
-    s.triangle = light->triangle;
-    s.material = light->material;
+    const gk_u32 flags = GK_LIGHT(lights, index, kind), kind = flags & GK_LIGHT_KIND;
+    s.L = GK_TRIPLE(GK_LIGHT, lights, index, L, 0);
+    s.triangle = GK_LIGHT(lights, index, triangle);
+    s.material = GK_LIGHT(lights, index, material);
     s.delta = kind != GK_LIGHT_TRIANGLE;
 
     // Uniform on the triangle by folding the unit square (Heitz 2019).
     const gk_i32 upper = v > u;
     const gk_f32 s1 = upper ? u * 0.5f : u - v * 0.5f;
     const gk_f32 s2 = upper ? v - u * 0.5f : v * 0.5f;
-    const gk_i32 turned = (light->kind & GK_LIGHT_TURNED) != 0u;
+    const gk_i32 turned = (flags & GK_LIGHT_TURNED) != 0u;
     s.u = turned ? s2 : s1;
     s.v = turned ? s1 : s2;
     const struct gk_vec normal = gk_cross(a, b);
@@ -196,7 +209,7 @@ GK_INLINE struct gk_light_sample gk_light_from_table(const GK_GLOBAL struct gk_l
     s.distance = sun ? GK_INFINITY : d;
 
     const gk_f32 cosine = -gk_dot(s.wi, n);
-    const gk_i32 facing = cosine > 0.0f || (light->kind >> 4) != 0u;
+    const gk_i32 facing = cosine > 0.0f || (flags >> 4) != 0u;
     const gk_f32 pdf = 2.0f * d2 / (gk_max(gk_abs(cosine), 1e-7f) * twice_area) * choice;
     const gk_f32 cone = gk_clamp((-gk_dot(s.wi, a) - b.x) * b.y, 0.0f, 1.0f);
     const gk_f32 falloff = sun ? 1.0f : cone * cone / d2;

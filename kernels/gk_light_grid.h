@@ -74,12 +74,18 @@ GK_INLINE struct gk_light_grid gk_light_grid_at(const GK_GLOBAL struct gk_frame 
     return g;
 }
 
+// Signed, as GK_READ() has it.
+GK_INLINE gk_u32 gk_grid_word(const struct gk_light_grid *g, gk_u32 index)
+{
+    return g->word[(gk_i32)index];
+}
+
 // Probability with which a light of the table is chosen; 0 without a grid.
 GK_INLINE gk_f32 gk_grid_choice(const struct gk_light_grid *g, gk_u32 light)
 {
     const gk_u32 owner = g->first_owner + (g->clusters > 0u ? light : 0u) * GK_GRID_OWNER;
-    const gk_u32 entry = g->cell + g->word[owner] * GK_GRID_ENTRY;
-    return gk_as_f32(g->word[entry + 1u]) * gk_as_f32(g->word[owner + 1u]);
+    const gk_u32 entry = g->cell + gk_grid_word(g, owner) * GK_GRID_ENTRY;
+    return gk_as_f32(gk_grid_word(g, entry + 1u)) * gk_as_f32(gk_grid_word(g, owner + 1u));
 }
 
 // Takes the cluster and the light in it; what is left of the pair is for the point.
@@ -87,15 +93,16 @@ GK_INLINE struct gk_light_pick gk_grid_choose(const struct gk_light_grid *g,
                                               struct gk_light_pair *r)
 {
     const gk_u32 slot = gk_light_pair_slot(r, g->clusters);
-    const gk_u32 entry = g->word[g->cell + slot * GK_GRID_ENTRY];
+    const gk_u32 entry = gk_grid_word(g, g->cell + slot * GK_GRID_ENTRY);
     const gk_f32 share = (gk_f32)(gk_i32)(entry >> 16) * (1.0f / GK_GRID_KEEP);
     const gk_u32 cluster = gk_light_pair_below(r, share) ? slot : entry & 0xffffu;
     const gk_u32 record = g->first_cluster + cluster * GK_GRID_CLUSTER;
-    const gk_u32 place = g->word[record] + gk_light_pair_slot(r, g->word[record + 1u]);
+    const gk_u32 place =
+        gk_grid_word(g, record) + gk_light_pair_slot(r, gk_grid_word(g, record + 1u));
     const gk_u32 member = g->first_member + place * GK_GRID_MEMBER;
-    const gk_f32 keep = gk_as_f32(g->word[member]);
+    const gk_f32 keep = gk_as_f32(gk_grid_word(g, member));
     struct gk_light_pick p;
-    p.light = g->word[member + (gk_light_pair_below(r, keep) ? 1u : 2u)];
+    p.light = gk_grid_word(g, member + (gk_light_pair_below(r, keep) ? 1u : 2u));
     p.choice = gk_grid_choice(g, p.light);
     return p;
 }
@@ -133,7 +140,7 @@ struct gk_light_fold {
 // Adds the candidate whose first number is turned by `turn`/2^32, if it counts; kept with probability
 // promise / sum.
 GK_INLINE struct gk_light_fold gk_grid_fold(struct gk_light_fold f, const struct gk_light_grid *g,
-                                            const GK_GLOBAL struct gk_light *light,
+                                            const GK_GLOBAL struct gk_light *lights,
                                             const struct gk_light_receiver *to, gk_f32 share,
                                             const struct gk_light_pair *r, gk_u32 turn,
                                             gk_i32 counts)
@@ -146,7 +153,7 @@ GK_INLINE struct gk_light_fold gk_grid_fold(struct gk_light_fold f, const struct
     c.choice *= share;
     const gk_f32 s = gk_unit_float(pair.u), t = pair.v;
     const struct gk_light_sample brings =
-        gk_light_from_table(light + c.light, to->keys, to->x, c.choice, s, t);
+        gk_light_from_table(lights, c.light, to->keys, to->x, c.choice, s, t);
     const gk_f32 promise = gk_light_promise(&brings, to);
     const gk_f32 sum = f.sum + (counts ? promise : 0.0f);
     const gk_f32 at = f.u * sum;
@@ -166,29 +173,29 @@ GK_INLINE struct gk_light_fold gk_grid_fold(struct gk_light_fold f, const struct
 // A light for the receiver, promise its own sum that of all; share: probability
 // that the table is asked at all. r: which lights, and where on them; u: which of those.
 GK_INLINE struct gk_light_fold gk_light_from_grid(const struct gk_light_grid *g,
-                                                  const GK_GLOBAL struct gk_light *light,
+                                                  const GK_GLOBAL struct gk_light *lights,
                                                   const struct gk_light_receiver *to, gk_f32 share,
                                                   const struct gk_light_pair *r, gk_f32 u)
 {
     struct gk_light_fold f = {{0u, 0.0f}, 0.0f, 0.0f, 0.0f, 0.0f, u};
-    f = gk_grid_fold(f, g, light, to, share, r, 0x00000000u, 1);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x40000000u, 1);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x80000000u, 1);
-    f = gk_grid_fold(f, g, light, to, share, r, 0xc0000000u, 1);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0x00000000u, 1);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0x40000000u, 1);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0x80000000u, 1);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0xc0000000u, 1);
 #ifdef GK_LIGHT_GRID_MANY
     const gk_i32 many = gk_grid_many(g);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x20000000u, many);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x60000000u, many);
-    f = gk_grid_fold(f, g, light, to, share, r, 0xa0000000u, many);
-    f = gk_grid_fold(f, g, light, to, share, r, 0xe0000000u, many);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x10000000u, many);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x30000000u, many);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x50000000u, many);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x70000000u, many);
-    f = gk_grid_fold(f, g, light, to, share, r, 0x90000000u, many);
-    f = gk_grid_fold(f, g, light, to, share, r, 0xb0000000u, many);
-    f = gk_grid_fold(f, g, light, to, share, r, 0xd0000000u, many);
-    f = gk_grid_fold(f, g, light, to, share, r, 0xf0000000u, many);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0x20000000u, many);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0x60000000u, many);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0xa0000000u, many);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0xe0000000u, many);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0x10000000u, many);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0x30000000u, many);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0x50000000u, many);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0x70000000u, many);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0x90000000u, many);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0xb0000000u, many);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0xd0000000u, many);
+    f = gk_grid_fold(f, g, lights, to, share, r, 0xf0000000u, many);
 #endif
     return f;
 }

@@ -23,11 +23,11 @@ GK_INLINE void gk_radiance_add(GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_u32 lan
 {
 #ifdef GK_FILM_FP64
     gk_f32 lost;
-    const gk_f32 sum = gk_two_sum(GK_LOAD(GK_COL_LR + channel, lane), x, &lost);
-    GK_STORE(GK_COL_LR_REST + channel, lane, GK_LOAD(GK_COL_LR_REST + channel, lane) + lost);
-    GK_STORE(GK_COL_LR + channel, lane, sum);
+    const gk_f32 sum = gk_two_sum(GK_LANE(GK_COL_LR + channel, lane), x, &lost);
+    GK_LANE(GK_COL_LR_REST + channel, lane) += lost;
+    GK_LANE(GK_COL_LR + channel, lane) = sum;
 #else
-    GK_STORE(GK_COL_LR + channel, lane, GK_LOAD(GK_COL_LR + channel, lane) + x);
+    GK_LANE(GK_COL_LR + channel, lane) += x;
 #endif
 }
 

@@ -60,12 +60,12 @@ struct gk_crossing {
 // The material of a rank > 0.
 GK_INLINE gk_u32 gk_rank_material(const struct gk_resident *r, gk_u32 rank)
 {
-    return r->material[rank > 0u ? rank - 1u : 0u].ranked;
+    return GK_MATERIAL(r, rank > 0u ? rank - 1u : 0u, ranked);
 }
 
 GK_INLINE gk_f32 gk_rank_index(const struct gk_resident *r, gk_u32 rank)
 {
-    return rank > 0u ? r->material[gk_rank_material(r, rank)].ior : 1.0f;
+    return rank > 0u ? GK_MATERIAL(r, gk_rank_material(r, rank), ior) : 1.0f;
 }
 
 GK_INLINE struct gk_crossing gk_nested_cross(const struct gk_resident *r, struct gk_nested s,
@@ -85,10 +85,10 @@ GK_INLINE struct gk_crossing gk_nested_cross(const struct gk_resident *r, struct
 // which only a surface that is no solid's leaves open.
 GK_INLINE struct gk_vec gk_solid_transmittance(const struct gk_resident *r, gk_u32 solid, gk_f32 t)
 {
-    const GK_GLOBAL struct gk_material *m = r->material + (solid > 0u ? solid - 1u : 0u);
-    const struct gk_vec left =
-        gk_vec(gk_exp(-m->attenuation[0] * t), gk_exp(-m->attenuation[1] * t),
-               gk_exp(-m->attenuation[2] * t));
+    const gk_u32 m = solid > 0u ? solid - 1u : 0u;
+    const struct gk_vec left = gk_vec(gk_exp(-GK_MATERIAL(r, m, attenuation[0]) * t),
+                                      gk_exp(-GK_MATERIAL(r, m, attenuation[1]) * t),
+                                      gk_exp(-GK_MATERIAL(r, m, attenuation[2]) * t));
     return gk_vec_select(gk_splat(1.0f), left, solid > 0u && t < GK_INFINITY);
 }
 

@@ -10,7 +10,7 @@
 GK_INLINE struct gk_texel gk_vertex_colour(const struct gk_resident *r, gk_u32 triangle, gk_f32 u,
                                            gk_f32 v)
 {
-    const gk_i32 has = (r->triangle[triangle].flags & GK_TRIANGLE_COLOURED) != 0u;
+    const gk_i32 has = (GK_TRIANGLE(r, triangle, flags) & GK_TRIANGLE_COLOURED) != 0u;
     const GK_GLOBAL gk_f32 *c = r->colour[has ? triangle : 0u].rgba;
     const gk_f32 w = 1.0f - u - v;
     struct gk_texel t;
@@ -27,10 +27,11 @@ GK_INLINE struct gk_texel gk_vertex_colour(const struct gk_resident *r, gk_u32 t
 GK_INLINE gk_f32 gk_surface_opacity(const struct gk_resident *r, gk_u32 material, gk_u32 triangle,
                                     gk_f32 u, gk_f32 v)
 {
-    const GK_GLOBAL struct gk_material *m = r->material + material;
-    gk_f32 opacity = m->opacity;
+    gk_f32 opacity = GK_MATERIAL(r, material, opacity);
 #ifdef GK_TEXTURES
-    opacity *= gk_texture_at(&r->textures, m->base_texture, gk_coordinates_at(r, triangle, u, v)).a;
+    opacity *= gk_texture_at(&r->textures, GK_MATERIAL(r, material, base_texture),
+                             gk_coordinates_at(r, triangle, u, v))
+                   .a;
 #endif
 #ifdef GK_VERTEX_COLOURS
     opacity *= gk_vertex_colour(r, triangle, u, v).a;
@@ -44,13 +45,15 @@ GK_INLINE gk_f32 gk_surface_opacity(const struct gk_resident *r, gk_u32 material
 // Radiance that the hit emits towards the ray's origin.
 GK_INLINE struct gk_vec gk_hit_emission(const struct gk_resident *r, const struct gk_hit *hit)
 {
-    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
-    struct gk_vec L = gk_vec(m->emission[0], m->emission[1], m->emission[2]);
+    const gk_u32 m = hit->material;
+    struct gk_vec L = GK_TRIPLE(GK_MATERIAL, r, m, emission, 0);
 #if defined(GK_TEXTURES) && defined(GK_EMISSION_TEXTURES)
-    const struct gk_texel e = gk_texture_at(&r->textures, m->emission_texture, hit->at);
+    const struct gk_texel e =
+        gk_texture_at(&r->textures, GK_MATERIAL(r, m, emission_texture), hit->at);
     L = gk_mul(L, gk_vec(e.r, e.g, e.b));
 #endif
-    const gk_i32 shows = hit->cos_g <= 0.0f || (m->flags & GK_MATERIAL_TWO_SIDED_EMISSION) != 0u;
+    const gk_i32 shows =
+        hit->cos_g <= 0.0f || (GK_MATERIAL(r, m, flags) & GK_MATERIAL_TWO_SIDED_EMISSION) != 0u;
     return gk_vec_select(gk_splat(0.0f), L, shows);
 }
 
@@ -58,12 +61,13 @@ GK_INLINE struct gk_vec gk_hit_emission(const struct gk_resident *r, const struc
 GK_INLINE void gk_surface_specular(const struct gk_resident *r, const struct gk_hit *hit,
                                    struct gk_surface *s)
 {
-    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
-    s->specular = m->specular;
-    s->specular_color = gk_vec(m->specular_color[0], m->specular_color[1], m->specular_color[2]);
+    const gk_u32 m = hit->material;
+    s->specular = GK_MATERIAL(r, m, specular);
+    s->specular_color = GK_TRIPLE(GK_MATERIAL, r, m, specular_color, 0);
 #if defined(GK_TEXTURES) && defined(GK_LAYER_TEXTURES)
-    s->specular *= gk_texture_at(&r->textures, m->specular_texture, hit->at).a;
-    const struct gk_texel t = gk_texture_at(&r->textures, m->specular_color_texture, hit->at);
+    s->specular *= gk_texture_at(&r->textures, GK_MATERIAL(r, m, specular_texture), hit->at).a;
+    const struct gk_texel t =
+        gk_texture_at(&r->textures, GK_MATERIAL(r, m, specular_color_texture), hit->at);
     s->specular_color = gk_mul(s->specular_color, gk_vec(t.r, t.g, t.b));
 #endif
 }
@@ -73,12 +77,12 @@ GK_INLINE void gk_surface_specular(const struct gk_resident *r, const struct gk_
 GK_INLINE void gk_surface_coat(const struct gk_resident *r, const struct gk_hit *hit,
                                struct gk_onb onb, struct gk_surface *s)
 {
-    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
-    gk_f32 roughness = m->coat_roughness;
-    s->coat.weight = m->coat;
+    const gk_u32 m = hit->material;
+    gk_f32 roughness = GK_MATERIAL(r, m, coat_roughness);
+    s->coat.weight = GK_MATERIAL(r, m, coat);
 #if defined(GK_TEXTURES) && defined(GK_LAYER_TEXTURES)
-    s->coat.weight *= gk_texture_at(&r->textures, m->coat_texture, hit->at).r;
-    roughness *= gk_texture_at(&r->textures, m->coat_rough_texture, hit->at).g;
+    s->coat.weight *= gk_texture_at(&r->textures, GK_MATERIAL(r, m, coat_texture), hit->at).r;
+    roughness *= gk_texture_at(&r->textures, GK_MATERIAL(r, m, coat_rough_texture), hit->at).g;
 #endif
     s->coat.alpha = roughness * roughness;
     s->coat.frame = gk_onb_make(gk_normalise(gk_to_local(onb, hit->nc)));
@@ -91,17 +95,19 @@ GK_INLINE void gk_surface_coat(const struct gk_resident *r, const struct gk_hit 
 GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const struct gk_hit *hit,
                                            struct gk_onb onb, struct gk_vec wo)
 {
-    const GK_GLOBAL struct gk_material *m = r->material + hit->material;
+    const gk_u32 m = hit->material;
     struct gk_surface s;
-    s.base = gk_vec(m->base[0], m->base[1], m->base[2]);
-    s.metallic = m->metallic;
-    gk_f32 roughness = m->roughness;
+    s.base = GK_TRIPLE(GK_MATERIAL, r, m, base, 0);
+    s.metallic = GK_MATERIAL(r, m, metallic);
+    gk_f32 roughness = GK_MATERIAL(r, m, roughness);
 #ifdef GK_TEXTURES
-    const struct gk_texel base = gk_texture_at(&r->textures, m->base_texture, hit->at);
+    const struct gk_texel base =
+        gk_texture_at(&r->textures, GK_MATERIAL(r, m, base_texture), hit->at);
     s.base = gk_mul(s.base, gk_vec(base.r, base.g, base.b));
 #endif
 #if defined(GK_TEXTURES) && defined(GK_ROUGHNESS_TEXTURES)
-    const struct gk_texel rough = gk_texture_at(&r->textures, m->rough_texture, hit->at);
+    const struct gk_texel rough =
+        gk_texture_at(&r->textures, GK_MATERIAL(r, m, rough_texture), hit->at);
     s.metallic *= rough.b;
     roughness *= rough.g;
 #endif
@@ -110,28 +116,30 @@ GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const st
     s.base = gk_mul(s.base, gk_vec(colour.r, colour.g, colour.b));
 #endif
     s.alpha = roughness * roughness;
-    s.fresnel_mean = m->fresnel_mean;
+    s.fresnel_mean = GK_MATERIAL(r, m, fresnel_mean);
 #ifdef GK_TRANSMISSION
-    s.transmission = m->transmission;
+    s.transmission = GK_MATERIAL(r, m, transmission);
 #if defined(GK_TEXTURES) && defined(GK_LAYER_TEXTURES)
-    s.transmission *= gk_texture_at(&r->textures, m->transmission_texture, hit->at).r;
+    s.transmission *=
+        gk_texture_at(&r->textures, GK_MATERIAL(r, m, transmission_texture), hit->at).r;
 #endif
 #ifdef GK_COLLIMATION
-    s.collimation = m->collimation;
+    s.collimation = GK_MATERIAL(r, m, collimation);
 #endif
-    s.thin = (m->flags & GK_MATERIAL_THIN) != 0u;
+    s.thin = (GK_MATERIAL(r, m, flags) & GK_MATERIAL_THIN) != 0u;
     const gk_i32 leaving = hit->cos_g > 0.0f && s.transmission > 0.0f && !s.thin;
-    s.eta = leaving ? 1.0f / m->ior : m->ior;
+    const gk_f32 ior = GK_MATERIAL(r, m, ior);
+    s.eta = leaving ? 1.0f / ior : ior;
 #ifdef GK_NESTED
     s.eta = hit->eta > 0.0f ? hit->eta : s.eta;
 #endif
 #else
     s.transmission = 0.0f;
     s.thin = 0;
-    s.eta = m->ior;
+    s.eta = GK_MATERIAL(r, m, ior);
 #endif
     s.energy = r->energy;
-    s.interface = (gk_i32)m->energy;
+    s.interface = (gk_i32)GK_MATERIAL(r, m, energy);
 #ifdef GK_NESTED
     s.interface = hit->eta > 0.0f ? 0 : s.interface; // another index than in the open
 #endif

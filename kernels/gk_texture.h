@@ -15,6 +15,8 @@ struct gk_texture_pools {
     const GK_GLOBAL gk_f32 *decode;
 };
 
+#define GK_TEXTURE(pools, index, member) GK_READ((pools)->texture, gk_texture, index, member)
+
 struct gk_texel {
     gk_f32 r, g, b, a;
 };
@@ -60,29 +62,31 @@ GK_INLINE struct gk_taps gk_wrap_taps(gk_f32 t, gk_u32 size, gk_u32 wrap, gk_i32
 GK_INLINE gk_u32 gk_texel_bits(const struct gk_texture_pools *p, gk_u32 pool, gk_u32 index)
 {
 #if GK_TEXTURE_POOLS > 1
-    return pool == 0u   ? p->pool0[index]
-           : pool == 1u ? p->pool1[index]
-           : pool == 2u ? p->pool2[index]
-                        : p->pool3[index];
+    const gk_i32 i = (gk_i32)index;
+    return pool == 0u   ? p->pool0[i]
+           : pool == 1u ? p->pool1[i]
+           : pool == 2u ? p->pool2[i]
+                        : p->pool3[i];
 #else
     (void)pool;
-    return p->pool0[index];
+    return p->pool0[(gk_i32)index]; // below 2^28
 #endif
 }
 
-GK_INLINE gk_u32 gk_texel_index(const GK_GLOBAL struct gk_texture *t, gk_i32 x, gk_i32 y)
+// offset, tiles: of the texture's record.
+GK_INLINE gk_u32 gk_texel_index(gk_u32 offset, gk_u32 tiles, gk_i32 x, gk_i32 y)
 {
-    const gk_u32 tile = ((gk_u32)y >> 3) * t->tiles + ((gk_u32)x >> 3);
-    return t->offset + (tile << 6) + (((gk_u32)y & 7u) << 3) + ((gk_u32)x & 7u);
+    const gk_u32 tile = ((gk_u32)y >> 3) * tiles + ((gk_u32)x >> 3);
+    return offset + (tile << 6) + (((gk_u32)y & 7u) << 3) + ((gk_u32)x & 7u);
 }
 
 GK_INLINE struct gk_texel gk_texel_decode(const struct gk_texture_pools *p, gk_u32 bits,
                                           gk_u32 linear)
 {
     struct gk_texel t;
-    t.r = p->decode[(bits & 255u) + linear];
-    t.g = p->decode[((bits >> 8) & 255u) + linear];
-    t.b = p->decode[((bits >> 16) & 255u) + linear];
+    t.r = p->decode[(gk_i32)((bits & 255u) + linear)];
+    t.g = p->decode[(gk_i32)(((bits >> 8) & 255u) + linear)];
+    t.b = p->decode[(gk_i32)(((bits >> 16) & 255u) + linear)];
     t.a = (gk_f32)(gk_i32)(bits >> 24) * (1.0f / 255.0f);
     return t;
 }
@@ -103,22 +107,26 @@ GK_INLINE struct gk_texel gk_texture_fetch(const struct gk_texture_pools *p, gk_
                                            gk_f32 v)
 {
     const gk_i32 none = index == GK_NONE;
-    const GK_GLOBAL struct gk_texture *t = p->texture + (none ? 0u : index);
+    const gk_u32 record = none ? 0u : index;
     u = none ? 0.0f : u; // paths without a texture read one place, not all over the first
     v = none ? 0.0f : v;
-    const gk_u32 flags = t->flags, pool = t->pool;
+    const gk_u32 flags = GK_TEXTURE(p, record, flags);
+    const gk_u32 pool = GK_TEXTURE(p, record, pool);
+    const gk_u32 offset = GK_TEXTURE(p, record, offset);
+    const gk_u32 tiles = GK_TEXTURE(p, record, tiles);
 #ifdef GK_NEAREST_TEXELS
     const gk_i32 nearest = (flags & GK_TEXTURE_NEAREST) != 0u;
 #else
     const gk_i32 nearest = 0;
 #endif
-    const struct gk_taps x = gk_wrap_taps(u, t->width, flags & 3u, nearest);
-    const struct gk_taps y = gk_wrap_taps(v, t->height, (flags >> 2) & 3u, nearest);
+    const struct gk_taps x = gk_wrap_taps(u, GK_TEXTURE(p, record, width), flags & 3u, nearest);
+    const struct gk_taps y =
+        gk_wrap_taps(v, GK_TEXTURE(p, record, height), (flags >> 2) & 3u, nearest);
     const gk_u32 linear = (flags & GK_TEXTURE_SRGB) ? 0u : 256u;
-    const gk_u32 b00 = gk_texel_bits(p, pool, gk_texel_index(t, x.lower, y.lower));
-    const gk_u32 b10 = gk_texel_bits(p, pool, gk_texel_index(t, x.upper, y.lower));
-    const gk_u32 b01 = gk_texel_bits(p, pool, gk_texel_index(t, x.lower, y.upper));
-    const gk_u32 b11 = gk_texel_bits(p, pool, gk_texel_index(t, x.upper, y.upper));
+    const gk_u32 b00 = gk_texel_bits(p, pool, gk_texel_index(offset, tiles, x.lower, y.lower));
+    const gk_u32 b10 = gk_texel_bits(p, pool, gk_texel_index(offset, tiles, x.upper, y.lower));
+    const gk_u32 b01 = gk_texel_bits(p, pool, gk_texel_index(offset, tiles, x.lower, y.upper));
+    const gk_u32 b11 = gk_texel_bits(p, pool, gk_texel_index(offset, tiles, x.upper, y.upper));
     const struct gk_texel top =
         gk_texel_mix(gk_texel_decode(p, b00, linear), gk_texel_decode(p, b10, linear), x.weight);
     const struct gk_texel bottom =
@@ -138,18 +146,22 @@ GK_INLINE struct gk_texel gk_texture_at(const struct gk_texture_pools *p, gk_u32
 {
     gk_f32 u = at.u, v = at.v;
 #if defined(GK_UV1) || defined(GK_TEXTURE_TRANSFORMS)
-    const GK_GLOBAL struct gk_texture *t = p->texture + (index == GK_NONE ? 0u : index);
+    const gk_u32 record = index == GK_NONE ? 0u : index;
+    const gk_u32 flags = GK_TEXTURE(p, record, flags);
 #endif
 #ifdef GK_UV1
-    const gk_i32 second = (t->flags & GK_TEXTURE_UV1) != 0u;
+    const gk_i32 second = (flags & GK_TEXTURE_UV1) != 0u;
     u = second ? at.u1 : u;
     v = second ? at.v1 : v;
 #endif
 #ifdef GK_TEXTURE_TRANSFORMS
-    const GK_GLOBAL gk_f32 *m = t->transform;
-    const gk_i32 moved = (t->flags & GK_TEXTURE_TRANSFORMED) != 0u;
-    const gk_f32 moved_u = m[0] * u + m[1] * v + m[2];
-    const gk_f32 moved_v = m[3] * u + m[4] * v + m[5];
+    const gk_i32 moved = (flags & GK_TEXTURE_TRANSFORMED) != 0u;
+    const gk_f32 moved_u = GK_TEXTURE(p, record, transform[0]) * u +
+                           GK_TEXTURE(p, record, transform[1]) * v +
+                           GK_TEXTURE(p, record, transform[2]);
+    const gk_f32 moved_v = GK_TEXTURE(p, record, transform[3]) * u +
+                           GK_TEXTURE(p, record, transform[4]) * v +
+                           GK_TEXTURE(p, record, transform[5]);
     u = moved ? moved_u : u;
     v = moved ? moved_v : v;
 #endif

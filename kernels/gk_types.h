@@ -41,6 +41,14 @@ typedef uint64_t gk_u64;
 // `t` where cond holds, else `f`. Both are evaluated: compilers turn it into a blend.
 #define gk_select(f, t, cond) ((cond) ? (t) : (f))
 
+// Member of record `index` in a table of struct `tag`, four bytes, read by a signed offset of 32 bits
+// from the table's own address: so 16 lanes are one gather. By addresses they are two, and their
+// arithmetic. A table has less than 2^31 words.
+#define GK_READ(table, tag, index, member)                                \
+    (((const GK_GLOBAL __typeof__(+((struct tag *)0)->member) *)(table) + \
+      __builtin_offsetof(struct tag, member) /                            \
+          4)[(gk_i32)((gk_u32)(index) * (gk_u32)(sizeof(struct tag) / 4))])
+
 GK_INLINE gk_u32 gk_as_u32(gk_f32 x)
 {
 #ifdef GK_DEVICE

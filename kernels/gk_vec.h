@@ -18,6 +18,11 @@ GK_INLINE struct gk_vec gk_vec(gk_f32 x, gk_f32 y, gk_f32 z)
     return v;
 }
 
+// Three elements, from k on, of an array in record `index`; read: GK_READ() for a table of its kind.
+#define GK_TRIPLE(read, table, index, member, k)                               \
+    gk_vec(read(table, index, member[k]), read(table, index, member[(k) + 1]), \
+           read(table, index, member[(k) + 2]))
+
 GK_INLINE struct gk_vec gk_splat(gk_f32 s)
 {
     return gk_vec(s, s, s);

@@ -71,8 +71,8 @@ struct gk_vertex {
 // Whether a solid without priority is entered or left where the path crosses the surface.
 GK_INLINE gk_u32 gk_solid_beyond(const struct gk_resident *scene, const struct gk_hit *hit)
 {
-    const GK_GLOBAL struct gk_material *m = scene->material + hit->material;
-    return hit->cos_g <= 0.0f && m->interior == 0u ? hit->material + 1u : 0u;
+    const gk_u32 rank = GK_MATERIAL(scene, hit->material, interior);
+    return hit->cos_g <= 0.0f && rank == 0u ? hit->material + 1u : 0u;
 }
 
 // The solids around the surface, and whether it is an interface at all.
@@ -87,7 +87,7 @@ GK_INLINE void gk_vertex_solids(const GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_
     x->there = x->solid_beyond = gk_solid_beyond(scene, &x->hit);
 #endif
 #ifdef GK_NESTED
-    const gk_u32 rank = scene->material[x->hit.material].interior;
+    const gk_u32 rank = GK_MATERIAL(scene, x->hit.material, interior);
     const gk_i32 known = rank > 0u && !x->missed;
     x->nested.a = GK_LOAD_U32(GK_COL_NESTED0, i);
     x->nested.b = GK_LOAD_U32(GK_COL_NESTED1, i);
@@ -112,7 +112,7 @@ GK_INLINE void gk_vertex_solids(const GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_
     (void)scene;
 #endif
 #ifdef GK_CULL
-    const gk_u32 flags = scene->material[x->hit.material].flags;
+    const gk_u32 flags = GK_MATERIAL(scene, x->hit.material, flags);
     x->passes = x->passes || (x->path.depth == 0u && !x->missed && x->hit.cos_g > 0.0f &&
                               (flags & GK_MATERIAL_CULLED) != 0u);
 #endif

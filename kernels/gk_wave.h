@@ -127,6 +127,8 @@
 #define GK_AT(column, i) ((column)*stride + (i))
 #define GK_LOAD(column, i) wave[GK_AT(column, i)]
 #define GK_LOAD_U32(column, i) gk_as_u32(wave[GK_AT(column, i)])
+// Of a lane, which differs from i: a signed offset of 32 bits, as GK_READ() has it.
+#define GK_LANE(column, lane) (wave + (column)*stride)[(gk_i32)(lane)]
 #define GK_STORE(column, i, value) (wave[GK_AT(column, i)] = (value))
 #define GK_STORE_U32(column, i, value) (wave[GK_AT(column, i)] = gk_as_f32(value))
 

@@ -42,7 +42,7 @@ GK_INLINE struct gk_vec gk_miss_radiance(const __global struct gk_frame *frame,
 GK_INLINE gk_f32 gk_table_choice(const __global struct gk_frame *frame,
                                  const struct gk_lights *lights, struct gk_vec p, gk_u32 index)
 {
-    const gk_f32 everywhere = gk_light_choice(lights->light + index, frame->lights);
+    const gk_f32 everywhere = gk_light_choice(lights->light, index, frame->lights);
 #ifdef GK_LIGHT_GRID
     const struct gk_light_grid grid = gk_light_grid_at(frame, lights->cells, p);
     const gk_f32 here = gk_grid_choice(&grid, index);
@@ -61,14 +61,15 @@ GK_INLINE struct gk_vec gk_found_emission(const __global struct gk_frame *frame,
                                           const struct gk_path *path, const struct gk_hit *hit)
 {
 #ifdef GK_EMISSION
-    const __global struct gk_instance *row = scene->instance + hit->instance;
-    const gk_u32 index = row->light + (hit->triangle - row->triangle);
-    const gk_i32 sampled = row->light != GK_NONE && frame->lights > 0u && path->pdf >= 0.0f;
-    const __global struct gk_light *light = lights->light + (sampled ? index : 0u);
+    const gk_u32 first = GK_INSTANCE(scene, hit->instance, light);
+    const gk_u32 index = first + (hit->triangle - GK_INSTANCE(scene, hit->instance, triangle));
+    const gk_i32 sampled = first != GK_NONE && frame->lights > 0u && path->pdf >= 0.0f;
+    const gk_u32 light = sampled ? index : 0u;
     const gk_f32 choice =
-        gk_table_choice(frame, lights, path->o, sampled ? index : 0u) * (1.0f - frame->env_choice);
-    const gk_f32 pdf = gk_triangle_light_pdf(light, gk_light_keys_at(frame, path->time), path->t,
-                                             gk_abs(hit->cos_g), choice);
+        gk_table_choice(frame, lights, path->o, light) * (1.0f - frame->env_choice);
+    const gk_f32 pdf =
+        gk_triangle_light_pdf(lights->light, light, gk_light_keys_at(frame, path->time), path->t,
+                              gk_abs(hit->cos_g), choice);
     const gk_f32 w = sampled ? gk_mis_weight(path->pdf, pdf) : 1.0f;
     return gk_scale(gk_hit_emission(scene, hit), w);
 #else
@@ -100,7 +101,7 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
     gk_light_pair_make(&whole, u, v);
     pair = whole;
     gk_u32 index = gk_alias_choose(lights->alias, frame->lights, &pair);
-    gk_f32 chosen = gk_light_choice(lights->light + index, frame->lights) * table;
+    gk_f32 chosen = gk_light_choice(lights->light, index, frame->lights) * table;
     gk_f32 s1 = gk_unit_float(pair.u), s2 = pair.v;
 #ifdef GK_LIGHT_GRID
     gk_f32 pick, unused;
@@ -115,14 +116,14 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
     s2 = in_grid ? near.t : s2;
 #endif
     struct gk_light_sample s =
-        gk_light_from_table(lights->light + index, to->keys, to->x, chosen, s1, s2);
+        gk_light_from_table(lights->light, index, to->keys, to->x, chosen, s1, s2);
 #ifdef GK_LIGHT_GRID
     s.L = gk_scale(s.L, in_grid ? gk_grid_weight(&grid, &near) : 1.0f);
 #endif
 #if defined(GK_TEXTURES) && defined(GK_EMISSION_TEXTURES)
     const gk_u32 record = s.triangle == GK_NONE ? 0u : s.triangle;
     const gk_u32 texture =
-        s.material == GK_NONE ? GK_NONE : scene->material[s.material].emission_texture;
+        s.material == GK_NONE ? GK_NONE : GK_MATERIAL(scene, s.material, emission_texture);
     const struct gk_texel e =
         gk_texture_at(&scene->textures, texture, gk_coordinates_at(scene, record, s.u, s.v));
     s.L = gk_mul(s.L, gk_vec(e.r, e.g, e.b));
@@ -259,6 +260,12 @@ GK_INLINE void gk_go_on(__global float *wave, gk_u32 stride, gk_u32 i,
 }
 
 #ifdef GK_FLOW
+GK_INLINE struct gk_vec gk_flow_at(const __global gk_f32 *a, gk_f32 u, gk_f32 v)
+{
+    return gk_interpolate3(gk_vec(a[0], a[1], a[2]), gk_vec(a[3], a[4], a[5]),
+                           gk_vec(a[6], a[7], a[8]), u, v);
+}
+
 // Where the first hit is a frame later and a frame earlier. What lies at infinity is a direction.
 GK_INLINE void gk_store_flow(__global float *wave, gk_u32 stride,
                              const __global struct gk_frame *frame, const struct gk_resident *scene,
@@ -273,9 +280,9 @@ GK_INLINE void gk_store_flow(__global float *wave, gk_u32 stride,
     const struct gk_vec still = gk_vec_select(
         gk_along(x->path.o, x->path.d, x->missed ? 0.0f : x->path.t), x->path.d, x->missed);
     const struct gk_vec after =
-        gk_vec_select(still, gk_interpolate3(flow->after, x->hit.u, x->hit.v), moves);
+        gk_vec_select(still, gk_flow_at(flow->after, x->hit.u, x->hit.v), moves);
     const struct gk_vec before =
-        gk_vec_select(still, gk_interpolate3(flow->before, x->hit.u, x->hit.v), moves);
+        gk_vec_select(still, gk_flow_at(flow->before, x->hit.u, x->hit.v), moves);
     const gk_f32 w = x->missed ? 0.0f : 1.0f;
     gk_f32 px, py, u, v;
     gk_camera_raster(frame, x->lane, &px, &py);
@@ -295,7 +302,7 @@ GK_INLINE void gk_store_first_hit(__global float *wave, gk_u32 stride,
 {
     const gk_u32 lane = x->path.lane;
     const gk_i32 missed = x->missed;
-    const gk_u32 key = missed ? GK_MATTE_BACKGROUND : scene->instance[x->hit.instance].matte;
+    const gk_u32 key = missed ? GK_MATTE_BACKGROUND : GK_INSTANCE(scene, x->hit.instance, matte);
     GK_STORE_U32(GK_COL_KEY, lane, key);
 #ifdef GK_AOVS
     const struct gk_vec forward = gk_vec(frame->forward[0], frame->forward[1], frame->forward[2]);

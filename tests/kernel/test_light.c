@@ -184,7 +184,7 @@ static void triangle_pdf_integrates_its_solid_angle(void **state)
     for (int i = 0; i < N; i++) {
         const float u = check_uniform(&seed);
         const struct gk_light_sample s =
-            gk_light_from_table(&triangle, still, gk_splat(0), 0.25f, u, check_uniform(&seed));
+            gk_light_from_table(&triangle, 0, still, gk_splat(0), 0.25f, u, check_uniform(&seed));
         sum += 0.25 / s.pdf;
         square += 0.0625 / ((double)s.pdf * s.pdf);
     }
@@ -203,7 +203,7 @@ static void points_on_a_triangle_are_uniform(void **state)
     for (int i = 0; i < N; i++) {
         const float u = check_uniform(&seed);
         const struct gk_light_sample s =
-            gk_light_from_table(&triangle, still, gk_splat(0), 1, u, check_uniform(&seed));
+            gk_light_from_table(&triangle, 0, still, gk_splat(0), 1, u, check_uniform(&seed));
         assert_true(s.u >= 0 && s.v >= 0 && s.u + s.v <= 1.0f);
         const int x = (int)fminf(s.u * 4, 3), y = (int)fminf(s.v * 4, 3);
         const int upper = s.u * 4 - (float)x + s.v * 4 - (float)y > 1;
@@ -225,9 +225,9 @@ static void both_techniques_agree_on_the_pdf(void **state)
     for (int i = 0; i < 10000; i++) {
         const float u = check_uniform(&seed);
         const struct gk_light_sample s =
-            gk_light_from_table(&triangle, still, gk_splat(0), 0.25f, u, check_uniform(&seed));
+            gk_light_from_table(&triangle, 0, still, gk_splat(0), 0.25f, u, check_uniform(&seed));
         const float hit =
-            gk_triangle_light_pdf(&triangle, still, s.distance, gk_abs(gk_dot(s.wi, n)), 0.25f);
+            gk_triangle_light_pdf(&triangle, 0, still, s.distance, gk_abs(gk_dot(s.wi, n)), 0.25f);
         assert_within(hit / s.pdf - 1, 1e-4);
         assert_true(!s.delta && s.triangle == 5);
     }
@@ -241,9 +241,9 @@ static void one_sided_emitters_are_dark_from_behind(void **state)
     memcpy(turned.b, triangle.a, sizeof turned.b);
     both.kind |= 1u << 4;
     const struct gk_vec at = gk_splat(0);
-    const float here = gk_light_from_table(&triangle, still, at, 1, 0.3f, 0.4f).L.x;
-    assert_true(here + gk_light_from_table(&turned, still, at, 1, 0.3f, 0.4f).L.x == 3.0f);
-    assert_true(gk_light_from_table(&both, still, at, 1, 0.3f, 0.4f).L.x == 3.0f);
+    const float here = gk_light_from_table(&triangle, 0, still, at, 1, 0.3f, 0.4f).L.x;
+    assert_true(here + gk_light_from_table(&turned, 0, still, at, 1, 0.3f, 0.4f).L.x == 3.0f);
+    assert_true(gk_light_from_table(&both, 0, still, at, 1, 0.3f, 0.4f).L.x == 3.0f);
 }
 
 // A spot of 12 W/sr in the axis gives 12 / d^2; between the cones the square of the ramp (glTF
@@ -258,22 +258,23 @@ static void punctual_lights_fall_off_with_the_square(void **state)
                                   .kind = GK_LIGHT_POINT,
                                   .triangle = GK_NONE};
     const struct gk_light_sample below =
-        gk_light_from_table(&spot, still, gk_splat(0), 0.5f, 0.1f, 0.2f);
+        gk_light_from_table(&spot, 0, still, gk_splat(0), 0.5f, 0.1f, 0.2f);
     assert_true(below.delta && below.pdf == 1.0f && below.distance == 2.0f);
     assert_within(below.L.x - 12.0 / 4 / 0.5, 1e-5);
     assert_true(below.wi.x == 0 && below.wi.y == 0 && below.wi.z == 1);
     const float x = 2 * sqrtf(1 / 0.49f - 1); // under a cosine of 0.7: half the ramp
     const struct gk_light_sample aside =
-        gk_light_from_table(&spot, still, gk_vec(x, 0, 0), 1, 0.1f, 0.2f);
+        gk_light_from_table(&spot, 0, still, gk_vec(x, 0, 0), 1, 0.1f, 0.2f);
     assert_within(aside.L.x - 12 * 0.25 / (4 + (double)x * x), 1e-5);
-    assert_true(gk_light_from_table(&spot, still, gk_vec(9, 0, 0), 1, 0.1f, 0.2f).L.x == 0);
+    assert_true(gk_light_from_table(&spot, 0, still, gk_vec(9, 0, 0), 1, 0.1f, 0.2f).L.x == 0);
 }
 
 static void the_sun_is_infinitely_far_and_does_not_fall_off(void **state)
 {
     (void)state;
     const struct gk_light sun = {.p = {0, 1, 0}, .L = {5, 5, 5}, .kind = GK_LIGHT_SUN};
-    const struct gk_light_sample s = gk_light_from_table(&sun, still, gk_vec(7, -3, 2), 0.5f, 0, 0);
+    const struct gk_light_sample s =
+        gk_light_from_table(&sun, 0, still, gk_vec(7, -3, 2), 0.5f, 0, 0);
     assert_true(s.delta && isinf(s.distance) && s.wi.y == 1 && s.L.x == 10);
 }
 

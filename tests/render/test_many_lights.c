@@ -240,7 +240,7 @@ static double standard_sample(double x, double y)
     double sum = 0.0;
     for (uint32_t i = 0; i < lights; i++) {
         const struct gk_light_sample s = sample[i] =
-            gk_light_from_table(&light[i], (struct gk_light_keys){0}, p, 1.0f, u, v);
+            gk_light_from_table(light, i, (struct gk_light_keys){0}, p, 1.0f, u, v);
         const double cosine = s.wi.x * h.n[0] + s.wi.y * h.n[1] + s.wi.z * h.n[2];
         sum += fmax(cosine, 0.0) * s.L.y / s.pdf;
         upto[i] = sum;
