@@ -297,6 +297,7 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/materials.c \
 	daemon/scene/matrix.c \
 	daemon/scene/matrix.h \
+	daemon/scene/matte_names.c \
 	daemon/scene/mattes.c \
 	daemon/scene/model.c \
 	daemon/scene/model.h \

@@ -69,8 +69,11 @@ static void warn_of_clashes(cJSON *warnings, const char *layer, const char *cons
     if (glint_cryptomatte_clashes(name, count, &clash, &clashes))
         return;
     for (size_t i = 0; i < clashes && i < MAX_CLASHES; i++)
-        glint_warn(warnings, "the %s names \"%.100s\" and \"%.100s\" share one Cryptomatte ID",
-                   layer, clash[i].a, clash[i].b);
+        glint_warn(
+            warnings,
+            "the %s names \"%.100s\" and \"%.100s\" share one Cryptomatte ID: mattes have the "
+            "second as \"%.100s~2\", or a higher number",
+            layer, clash[i].a, clash[i].b, clash[i].b);
     if (clashes > MAX_CLASHES)
         glint_warn(warnings, "%zu more pairs of %s names share a Cryptomatte ID",
                    clashes - MAX_CLASHES, layer);

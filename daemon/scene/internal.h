@@ -73,6 +73,7 @@ struct glint_resident {
     struct glint_mesh quad;        // unit square in xy facing -z, for area lights
     struct glint_matte_key *matte; // [mattes], by key; 0 and 1 unused
     uint32_t mattes;
+    struct glint_arena names; // of keys whose own had the ID of another
 
     pthread_mutex_t building;       // held while a structure is built; before `mutex`
     pthread_mutex_t mutex;          // guards what is built later: the two arrays and `stats`
@@ -108,6 +109,9 @@ glint_status glint_resident_find_centre(struct glint_resident *r, struct glint_e
 
 glint_status glint_resident_build_rows(struct glint_resident *r, struct glint_error *err);
 glint_status glint_resident_build_mattes(struct glint_resident *r, struct glint_error *err);
+// Gives keys other names where two that differ have one ID, but for clashes made by somebody who means
+// to: then some stay. Without memory for a name it stays, too.
+glint_status glint_resident_tell_mattes_apart(struct glint_resident *r, struct glint_error *err);
 glint_status glint_resident_build_records(struct glint_resident *r, struct glint_error *err);
 glint_status glint_resident_build_instances(struct glint_resident *r, struct glint_error *err);
 glint_status glint_resident_build_materials(struct glint_resident *r, struct glint_error *err);

@@ -102,6 +102,8 @@ glint_status glint_resident_build_mattes(struct glint_resident *r, struct glint_
                         r->mattes - 2, GK_MATTE_BASE_KEY - 1);
     if (!st)
         append_unused(r, used);
+    if (!st)
+        st = glint_resident_tell_mattes_apart(r, err);
     r->facts.mattes = r->mattes;
     free(named);
     free(used);

@@ -40,6 +40,7 @@ static void destroy(struct glint_resident *r)
     free(r->motion);
     free(r->matte);
     pthread_mutex_destroy(&r->building);
+    glint_arena_finish(&r->names);
     pthread_mutex_destroy(&r->mutex);
     free(r);
 }

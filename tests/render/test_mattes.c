@@ -13,7 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define RARE 5.0 // standard deviations: one of two million draws is beyond
+#define CLASHING "object_8333" // has the ID of "object_48770"
+#define RARE 5.0               // standard deviations: one of two million draws is beyond
 
 // ---- geometry
 
@@ -226,6 +227,29 @@ static void objects_with_equal_names_share_one_matte(void **state)
 
 // Each quarter of the pixel at the middle of an odd frame gets a quarter of a power of two of
 // Sobol samples, exactly.
+static void names_that_share_an_id_are_told_apart(void **state)
+{
+    (void)state;
+    static const char *const name[] = {"object_48770", CLASHING, CLASHING "~2"};
+    const struct thing pair[] = {{name[0], "red", "", -0.25, 0.1, 0, 6.7, 4, NULL, false},
+                                 {name[1], "blue", "", 5.6, 0.1, 0, 5, 4, NULL, false}};
+    struct shot s;
+    assert_int_equal(glint_cryptomatte_id(name[0]), glint_cryptomatte_id(name[1]));
+    shoot_things(&s, pair, 2, "", BOX, 64);
+    for (size_t i = 0; i < pixels(s.frame); i++) {
+        assert_share(coverage_of(s.frame, "CryptoObject", name[0], i), share_of(i, &pair[0]), 64);
+        assert_share(coverage_of(s.frame, "CryptoObject", name[2], i), share_of(i, &pair[1]), 64);
+    }
+    struct glint_matte_totals totals;
+    assert_int_equal(glint_render_mattes(s.render, 1u << GLINT_MATTE_OBJECT, &totals, NULL),
+                     GLINT_OK);
+    assert_int_equal(totals.count[GLINT_MATTE_OBJECT], 2);
+    assert_string_equal(totals.of[GLINT_MATTE_OBJECT][0].name, name[0]);
+    assert_string_equal(totals.of[GLINT_MATTE_OBJECT][1].name, name[2]);
+    glint_matte_totals_finish(&totals);
+    finish_shot(&s);
+}
+
 static void equal_coverages_are_ranked_by_the_bits_of_their_ids(void **state)
 {
     (void)state;
@@ -460,6 +484,7 @@ int main(void)
         cmocka_unit_test(coverages_of_every_pixel_sum_to_one),
         cmocka_unit_test(materials_and_assets_are_sums_of_their_objects),
         cmocka_unit_test(objects_with_equal_names_share_one_matte),
+        cmocka_unit_test(names_that_share_an_id_are_told_apart),
         cmocka_unit_test(equal_coverages_are_ranked_by_the_bits_of_their_ids),
         cmocka_unit_test(ranks_descend_each_id_has_one_and_so_has_the_background),
         cmocka_unit_test(fewer_levels_are_the_first_ranks_of_more_whatever_the_slots),
