@@ -82,12 +82,13 @@ def test_an_asset_outlives_the_daemon_that_took_it():
 def test_a_finished_job_is_served_from_its_film():
     with Lasting() as d:
         d.put("room", ROOM)
-        job = d.submit(scene="room", stop={"samples": 16},
+        job = d.submit(scene="room", stop={"samples": 16}, mattes={"levels": 1},
                        outputs=["beauty", "crypto_object", "normal", "variance"])
         frame = d.frame(job)
         mattes = d.get(f"/v1/jobs/{job}/mattes").json()
         pick = d.get(f"/v1/jobs/{job}/pick?x=64&y=48").json()
         before = settled(d.job(job))
+        assert before["ranks"]["pixels"] and before["warnings"]
         d.restart()
         after = settled(d.job(job))
         assert after == before, [(k, before[k], after[k]) for k in before if after[k] != before[k]]
