@@ -141,7 +141,7 @@ static void coverage_through_bounces_makes_one_frame(void **state)
 static void exact_coverage_makes_one_frame(void **state)
 {
     (void)state;
-#define EXACT "'mattes':{'levels':1,'slots':4,'through':'glossy','eviction':'exact'},"
+#define EXACT "'mattes':{'levels':'auto','slots':4,'through':'glossy','eviction':'exact'},"
     static const char *const three[] = {EXACT "'sample_range':[0,5],",
                                         EXACT "'sample_range':[5,6],",
                                         EXACT "'sample_range':[6,12],"};
@@ -151,7 +151,7 @@ static void exact_coverage_makes_one_frame(void **state)
 static void names_that_found_no_slot_are_warned_of(void **state)
 {
     (void)state;
-#define TIGHT "'mattes':{'levels':1,'slots':4,'through':'glossy','eviction':'drop'},"
+#define TIGHT "'mattes':{'levels':'auto','slots':4,'through':'glossy','eviction':'drop'},"
     static const char *const two[] = {TIGHT "'sample_range':[0,5],",
                                       TIGHT "'sample_range':[5,16],"};
     struct parts p = make_parts(two, 2);
