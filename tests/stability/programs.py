@@ -67,7 +67,7 @@ def _newer(path, than):
 
 def suite(path):
     """As run(), from what `make check` has left beside a program since it was built: it does not say
-    how long each test took. Empty where there is no such log, or not of a whole run."""
+    how long each test took. Empty where there is no such log, or not of a whole and sound run."""
     log = f"{path}.log"
     if not _newer(log, path):
         return {}
@@ -75,7 +75,7 @@ def suite(path):
         text = file.read()
     planned = re.search(r"^1\.\.(\d+)", text, re.M)
     lines = re.findall(r"^(not ok|ok) \d+ (# SKIP|-) (\w+)", text, re.M)
-    if not planned or int(planned[1]) != len(lines):
+    if not planned or int(planned[1]) != len(lines) or re.search(r"^ERROR: ", text, re.M):
         return {}
     word_of = {("ok", "-"): "holds", ("ok", "# SKIP"): "skipped"}
     return {name: (word_of.get((ok, mark), "FAILED"), None) for ok, mark, name in lines}

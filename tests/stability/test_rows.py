@@ -66,6 +66,7 @@ def test_what_is_older_than_the_program_or_torn_is_not():
     assert left_by_the_suite("1..1\nok 1 - a_is_b\n", 1)
     assert not left_by_the_suite("1..1\nok 1 - a_is_b\n", -1)
     assert not left_by_the_suite("1..2\nok 1 - a_is_b\n", 1)
+    assert not left_by_the_suite("1..1\nok 1 - a_is_b\nERROR: test_x - exited with status 1\n", 1)
 
 
 def test_no_case_stands_there_twice():
