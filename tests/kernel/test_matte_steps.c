@@ -1,6 +1,6 @@
-// The slot table under two or three work-items in every order of their steps there is: a step is one
-// read or one compare and swap. Nothing is lost uncounted, no key that nothing evicts has two slots,
-// each ends.
+// The slot table, and the places of a tile, under two or three work-items in every order of their steps
+// there is: a step is one read or one compare and swap. Nothing is lost uncounted, no key that nothing
+// evicts has two slots or places, each ends.
 #include "kernels/gk_types.h"
 
 #include <stdint.h>
@@ -15,7 +15,7 @@ static uint64_t swap_step(volatile uint64_t *at, uint64_t expected, uint64_t des
 #include <string.h>
 #include <ucontext.h>
 
-enum { ITEMS = 3, STEPS = 256, STACK = 65536, SLOTS = 2 };
+enum { ITEMS = 3, STEPS = 256, STACK = 65536, SLOTS = 2, PIXEL = 9 };
 #define BOUNCED(matte) gk_matte_of_class(matte, 1u)
 
 // One work-item: the deposits that it brings.
@@ -28,6 +28,8 @@ struct item {
 static struct {
     ucontext_t home, item[ITEMS];
     uint64_t table[SLOTS + GK_MATTE_LOST_WORDS];
+    uint64_t
+        places[GK_MATTE_SPILL_TILE * GK_MATTE_SPILL_WORDS]; // of a tile of pixels without slots
     const struct item *what;
     struct gk_matte_lost lost[ITEMS];
     bool ended[ITEMS];
@@ -55,13 +57,23 @@ static uint64_t swap_step(volatile uint64_t *at, uint64_t expected, uint64_t des
     return found;
 }
 
+// Under GK_MATTE_SPILL the slots are full of others, and it is the places that matter.
+static void deposit(const struct item *w, uint32_t key, struct gk_matte_lost *lost)
+{
+    if (world.policy == GK_MATTE_SPILL)
+        lost->bounced +=
+            gk_matte_spill(world.places, GK_MATTE_SPILL_WORDS, PIXEL, key, w->direct, w->amount);
+    else
+        gk_matte_deposit_shared(world.table, 0, SLOTS, key, w->direct, w->amount, world.policy,
+                                w->random, lost);
+}
+
 static void work(void)
 {
     const uint32_t me = world.running;
     const struct item *w = &world.what[me];
     for (uint32_t i = 0; i < w->deposits; i++)
-        gk_matte_deposit_shared(world.table, 0, SLOTS, w->key[i], w->direct, w->amount,
-                                world.policy, w->random, &world.lost[me]);
+        deposit(w, w->key[i], &world.lost[me]);
     world.ended[me] = true;
 }
 
@@ -86,6 +98,7 @@ static uint32_t pick(uint32_t n)
 static void run_order(void)
 {
     memset(world.table, 0, sizeof world.table);
+    memset(world.places, 0, sizeof world.places);
     memset(world.lost, 0, sizeof world.lost);
     for (uint32_t i = 0; i < world.items; i++)
         start(i);
@@ -115,9 +128,21 @@ static bool next_order(void)
     return true;
 }
 
+static uint64_t in_places(void)
+{
+    const uint64_t *place = world.places + PIXEL * GK_MATTE_SPILL_WORDS;
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < GK_MATTE_SPILL_WORDS; i++) {
+        sum += place[i] & GK_MATTE_SPILL_MOST;
+        for (uint32_t k = 0; k < i; k++)
+            assert_true(!place[i] || gk_matte_key(place[i]) != gk_matte_key(place[k]));
+    }
+    return sum;
+}
+
 static void judge(uint64_t total, bool crowded)
 {
-    uint64_t sum = 0;
+    uint64_t sum = in_places();
     for (uint32_t i = 0; i < SLOTS; i++)
         sum += gk_matte_amount(world.table[i]);
     for (uint32_t i = 0; i < world.items; i++)
@@ -173,6 +198,16 @@ static void two_items_that_crowd_a_table_under_every_policy(void **state)
         print_message("# policy %u: %u orders\n", policy, every_order(what, 2, policy, true));
 }
 
+static void two_items_that_find_the_slots_full_share_places(void **state)
+{
+    (void)state;
+    const struct item what[] = {{{BOUNCED(1), BOUNCED(2)}, 2, 0, 0, 5},
+                                {{BOUNCED(2), BOUNCED(2)}, 2, 1, 0, 7}};
+    const uint32_t orders = every_order(what, 2, GK_MATTE_SPILL, true);
+    print_message("# %u orders\n", orders);
+    assert_true(orders > 500);
+}
+
 int main(void)
 {
 #if defined __SANITIZE_THREAD__
@@ -182,6 +217,7 @@ int main(void)
         cmocka_unit_test(two_items_of_two_keys_that_fit),
         cmocka_unit_test(three_items_of_one_key),
         cmocka_unit_test(two_items_that_crowd_a_table_under_every_policy),
+        cmocka_unit_test(two_items_that_find_the_slots_full_share_places),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
