@@ -106,6 +106,15 @@ static glint_resident *load(const struct bench *b, char *text, const glint_resid
     return r;
 }
 
+// What the first job has built.
+static void build_flat(glint_resident *r)
+{
+    struct glint_error err = {0};
+    const struct glint_geometry *g;
+    if (glint_resident_geometry(r, GLINT_GEOMETRY_FLAT, false, &g, &err))
+        offline_die("flat", &err);
+}
+
 static void drop(struct bench *b, glint_resident **r)
 {
     glint_resident_release(r);
@@ -139,6 +148,7 @@ static bool triangles(struct bench *b, uint32_t millions)
                 "\"instances\":{\"s\":{\"mesh\":\"s\",\"material\":\"m\"}}}",
                 b->asset.sha256, (side + 1) * (side + 1), 2 * side * side),
         NULL);
+    build_flat(r);
     const double seconds = glint_now() - start;
     struct glint_resident_stats s;
     glint_resident_stats(r, &s);
