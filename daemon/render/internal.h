@@ -136,6 +136,8 @@ uint32_t glint_pass_count(const glint_render *r, uint32_t end);
 
 uint64_t glint_render_pixels(const glint_render *r);
 
+// Whether the job begins with a sketch.
+bool glint_render_wants_sketch(const struct glint_resident *scene, const struct glint_job *job);
 // Whether what it shows is thrown away.
 static inline bool glint_render_sketches(const glint_render *r)
 {

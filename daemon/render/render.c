@@ -93,7 +93,7 @@ glint_status glint_render_create(glint_render **out, struct glint_devices *devic
 }
 
 // Films of doubles are for who measures.
-static bool wants_sketch(const struct glint_resident *scene, const struct glint_job *job)
+bool glint_render_wants_sketch(const struct glint_resident *scene, const struct glint_job *job)
 {
     bool robust;
     const enum glint_geometry_kind kind = glint_render_structure(job, &robust);
@@ -106,7 +106,7 @@ glint_status glint_render_sketch(glint_render **out, struct glint_devices *devic
                                  const struct glint_job *job, struct glint_error *err)
 {
     struct glint_view_order order = {
-        .scene = scene, .pose = pose, .sketch = wants_sketch(scene, job)};
+        .scene = scene, .pose = pose, .sketch = glint_render_wants_sketch(scene, job)};
     return create(out, devices, job, &order, err);
 }
 

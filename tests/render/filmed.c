@@ -11,7 +11,7 @@
 static const char *const scene_text =
     "{'materials':{'grey':{'base_color':[0.6,0.5,0.4]},'glass':{'transmission':1,'roughness':0.2},"
     "'lamp':{'base_color':[0,0,0],'emission':[5,4,3]}},"
-    "'meshes':{'room':{'primitive':'box','size':[4,4,8]},'s':{'primitive':'sphere','segments':24},"
+    "'meshes':{'room':{'primitive':'box','size':[4,4,8]},'s':{'primitive':'sphere','segments':%u},"
     "'q':{'primitive':'quad'}},"
     "'instances':{'r':{'mesh':'room','material':'grey'},'s':{'mesh':'s','material':'glass'},"
     "'l':{'mesh':'q','material':'lamp','transform':{'translation':[0,1.9,1],'rotation':[1,0,0,1]}},"
@@ -21,12 +21,17 @@ static const char *const scene_text =
     "'cameras':{'eye':{'yfov':0.9,'transform':{'translation':[0,0,3.5]}},"
     "'side':{'yfov':0.7,'transform':{'translation':[1,0.5,3.2]}}}}";
 
-struct glint_posed filmed_scene(const struct offline *o)
+struct glint_posed filmed_scene_of(const struct offline *o, uint32_t segments)
 {
-    char *text = stable_text("%s", scene_text);
+    char *text = stable_text(scene_text, segments);
     const struct glint_posed scene = offline_load_posed_text(o, text);
     free(text);
     return scene;
+}
+
+struct glint_posed filmed_scene(const struct offline *o)
+{
+    return filmed_scene_of(o, 24);
 }
 
 struct glint_posed filmed;
@@ -44,16 +49,23 @@ int filmed_stop(void **state)
     return offline_crew_finish(state);
 }
 
-glint_render *filmed_render(const struct offline *o, const struct glint_posed *scene,
-                            const char *members)
+struct glint_job *filmed_job(const char *members)
 {
     char *text = stable_text(
         "{'scene':'s','outputs':['beauty','variance','samples','crypto_object','crypto_material',"
         "'crypto_asset','depth','normal','albedo','motion'],%s%s"
         "'resolution':[100,64],'shutter':[0,0.25],'max_bounces':4}",
         members, strstr(members, "mattes") ? "" : "'mattes':{'levels':4,'slots':8},");
-    struct glint_error err = {0};
     struct glint_job *job = offline_job(text);
+    free(text);
+    return job;
+}
+
+glint_render *filmed_render(const struct offline *o, const struct glint_posed *scene,
+                            const char *members)
+{
+    struct glint_error err = {0};
+    struct glint_job *job = filmed_job(members);
     struct glint_posed posed;
     glint_render *render = NULL;
     if (glint_posed_for(&posed, o->devices, scene, job, &err) ||
@@ -61,7 +73,6 @@ glint_render *filmed_render(const struct offline *o, const struct glint_posed *s
         offline_die("render", &err);
     glint_resident_release(&posed.resident);
     glint_job_destroy(&job);
-    free(text);
     return render;
 }
 

@@ -7,6 +7,8 @@
 
 // Glass, a lamp, something that moves, from two cameras "eye" and "side".
 struct glint_posed filmed_scene(const struct offline *o);
+// The glass is of segments * (segments - 2) triangles.
+struct glint_posed filmed_scene_of(const struct offline *o, uint32_t segments);
 
 // It, for a group of tests of offline_crew.
 extern struct glint_posed filmed;
@@ -14,6 +16,7 @@ int filmed_start(void **state);
 int filmed_stop(void **state);
 
 // All outputs. `members`: more of the job, with ' for " and each ending with a comma.
+struct glint_job *filmed_job(const char *members);
 glint_render *filmed_render(const struct offline *o, const struct glint_posed *scene,
                             const char *members);
 
