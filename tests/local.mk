@@ -326,6 +326,7 @@ SCRIPT_TESTS = \
 	tests/http/test_unit.py \
 	tests/http/test_updates.py \
 	tests/accuracy/test_claims.py \
+	tests/accuracy/test_docs.py \
 	tests/mutation/test_table.py \
 	tests/render/test_cryptomatte_node.py \
 	tests/bench/test_peers_measure.py \
@@ -337,7 +338,7 @@ SCRIPT_TESTS = \
 	tests/unit/manual.sh
 
 TESTS += $(UNIT_TESTS) $(STABILITY_TESTS) $(SCRIPT_TESTS)
-dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/accuracy/strips_pictures tests/accuracy/strips_plot.py tests/accuracy/choose tests/accuracy/levels tests/accuracy/policies tests/accuracy/policies_plot.py tests/clients/blender_picture tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/efficiency tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised \
+dist_check_SCRIPTS += $(SCRIPT_TESTS) tests/run-tap tests/accuracy/strips_pictures tests/accuracy/strips_plot.py tests/accuracy/choose tests/accuracy/events.py tests/accuracy/levels tests/accuracy/policies tests/accuracy/policies_plot.py tests/clients/blender_picture tests/clients/viewer_live tests/clients/viewer_pictures tests/http/kill9 tests/http/soak tests/bench/efficiency tests/bench/live tests/bench/run tests/bench/startup tests/bench/stream tests/bench/update_latency tests/bench/vectorised \
 	tests/stability/matrix tests/stability/nightly
 dist_check_DATA += tests/bench/README.md tests/bench/every_effect.py tests/bench/history.csv tests/bench/million_blend.py \
 	tests/clients/blender_cryptomatte.py tests/clients/browser.py tests/clients/cli.py tests/clients/fake_daemon.py tests/http/contract.toml \

@@ -11,8 +11,8 @@
 #define USUAL_SLOPE 1.05 // of scenes there
 #define SLOPE_SPREAD 0.1
 #define LAST_POWER 1.05 // of scenes after many samples
-#define LAST_SPREAD 0.08
-#define KEPT 0.7        // of what the power is over the last, an octave later
+#define LAST_SPREAD 0.1
+#define KEPT 0.6        // of what the power is over the last, an octave later
 #define SLOPE_AGE 1.0   // octaves: from the middle of those checkpoints until now
 #define SLOW_POWER 0.85 // no error falls slower: samples do not see all of it yet
 #define UNKNOWN_SPREAD 0.2
