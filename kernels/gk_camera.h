@@ -66,8 +66,10 @@ GK_INLINE struct gk_vec gk_camera_vector(const GK_GLOBAL struct gk_frame *f,
 GK_INLINE void gk_camera_raster(const GK_GLOBAL struct gk_frame *f, struct gk_lane lane, gk_f32 *px,
                                 gk_f32 *py)
 {
-    gk_f32 u, v;
-    gk_sample_2d(lane.base, lane.index, GK_PAIR_FILTER, &u, &v);
+    gk_u32 a, b;
+    const gk_u32 order = gk_sample_order(lane.base, lane.index, GK_PAIR_BOUNCE(0u, GK_PAIR_ORDER));
+    gk_sample_crossed_bits(lane.base, order, GK_PAIR_FILTER, &a, &b);
+    const gk_f32 u = gk_unit_float(a), v = gk_unit_float(b);
     gk_f32 dx = gk_filter_box(u, f->filter_width);
     gk_f32 dy = gk_filter_box(v, f->filter_width);
 #ifdef GK_FILTER_BLACKMAN_HARRIS

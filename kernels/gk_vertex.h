@@ -58,6 +58,7 @@ struct gk_vertex {
     struct gk_vec front, back; // origins lifted off the surface, on the side of wo and beyond
     struct gk_vec p;           // where the path turns: on the surface, or in the medium
     struct gk_lane lane;
+    gk_u32 order; // in which the numbers for light and direction are taken
     gk_i32 missed;
     gk_i32 in_medium;    // meets the medium before the surface
     gk_i32 passes;       // the surface is none to this path: it goes straight on
@@ -218,6 +219,8 @@ GK_INLINE struct gk_vertex gk_vertex_load(const GK_GLOBAL gk_f32 *wave, gk_u32 s
     raw.instance = x.missed ? GK_NONE : raw.instance;
     raw.primitive = x.missed ? 0u : raw.primitive;
     x.lane = gk_lane_at(rect, x.path.lane, frame->seed);
+    x.order =
+        gk_sample_order(x.lane.base, x.lane.index, GK_PAIR_BOUNCE(x.path.depth, GK_PAIR_ORDER));
     x.hit = gk_hit_decode(scene, raw, x.path.d);
     gk_vertex_solids(wave, stride, i, scene, &x);
     x.onb = gk_onb_make(x.hit.ns);
@@ -246,7 +249,7 @@ GK_INLINE struct gk_next gk_next_make(const GK_GLOBAL struct gk_frame *frame,
                                       const struct gk_vertex *x, gk_f32 u_lobe)
 {
     gk_f32 u, v;
-    gk_sample_2d(x->lane.base, x->lane.index, GK_PAIR_BOUNCE(x->path.depth, GK_PAIR_BSDF), &u, &v);
+    gk_sample_ordered(x->lane.base, x->order, GK_PAIR_BOUNCE(x->path.depth, GK_PAIR_BSDF), &u, &v);
     const struct gk_bsdf_sample s = gk_bsdf_sample(&x->surface, x->wo, u_lobe, u, v);
     const struct gk_bsdf_value value = gk_bsdf_eval(&x->surface, x->wo, s.wi);
     const gk_f32 inverse = value.pdf > 1e-30f ? 1.0f / value.pdf : 0.0f;

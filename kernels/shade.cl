@@ -86,11 +86,11 @@ GK_INLINE struct gk_vec gk_found_emission(const __global struct gk_frame *frame,
 GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame *frame,
                                                  const struct gk_resident *scene,
                                                  const struct gk_lights *lights,
-                                                 struct gk_lane lane, gk_u32 depth,
+                                                 struct gk_lane lane, gk_u32 order, gk_u32 depth,
                                                  const struct gk_light_receiver *to)
 {
     gk_f32 u, v;
-    gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_POINT), &u, &v);
+    gk_sample_ordered(lane.base, order, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_POINT), &u, &v);
     const gk_f32 split = frame->env_choice;
     const gk_f32 table = 1.0f - split;
     const gk_i32 sky = u < split;
@@ -168,7 +168,7 @@ GK_INLINE void gk_sample_light(__global float *wave, gk_u32 stride, gk_u32 i,
     const struct gk_light_receiver receiver = {p, x->hit.ns, open ? 1.0f : 0.0f,
                                                gk_light_keys_at(frame, path->time)};
     const struct gk_light_sample s =
-        gk_choose_light(frame, scene, lights, x->lane, path->depth, &receiver);
+        gk_choose_light(frame, scene, lights, x->lane, x->order, path->depth, &receiver);
     const struct gk_vec wi = gk_to_local(x->onb, s.wi);
     const struct gk_bsdf_value value = gk_vertex_eval(frame, x, s.wi, wi);
     const gk_f32 side = gk_dot(s.wi, x->hit.ng);

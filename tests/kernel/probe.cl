@@ -91,6 +91,9 @@ GK_INLINE void probe_sampler(gk_u32 i, GK_GLOBAL gk_u32 *out)
     PROBE_PUT_F32(5, gk_filter_box(u, 1.5f));
     PROBE_PUT_F32(6, gk_filter_blackman_harris(u, 1.5f));
     PROBE_PUT_F32(7, gk_blackman_harris_pdf(2.0f * u - 1.0f));
+    gk_sample_crossed_bits(base, gk_sample_order(base, i, 14u), 0u, &a, &b);
+    PROBE_PUT(8, a);
+    PROBE_PUT(9, b);
 }
 
 GK_INLINE struct gk_vec probe_direction(gk_u32 i, gk_u32 k)

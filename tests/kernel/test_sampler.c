@@ -1,11 +1,38 @@
-// The sampler: every pair is a scrambled (0,2)-sequence in each half, and pairs, halves and pixels
-// have nothing to do with each other.
+// The sampler: every pair is a scrambled (0,2)-sequence in each half, the place in the pixel and the
+// first direction are a (0,4)-sequence in base 4 together, and other pairs, halves and pixels have
+// nothing to do with each other.
 #include "kernels/gk_sampler.h"
 #include "tests/kernel/check.h"
 
 #include <stdlib.h>
 
 enum { LOG_NET = 10, DIMENSIONS = 32 };
+
+static gk_u32 order_of(gk_u32 base, gk_u32 index, gk_u32 bounce)
+{
+    return gk_sample_order(base, index, GK_PAIR_BOUNCE(bounce, GK_PAIR_ORDER));
+}
+
+// A pair as kernels take it: that of the filter across the order of the first vertex, those for light
+// and direction in the order of theirs, others in one of their own.
+static void take_bits(gk_u32 base, gk_u32 index, gk_u32 pair, gk_u32 *u, gk_u32 *v)
+{
+    const gk_u32 kind = pair & 7, bounce = pair / 8 - 1;
+    if (pair == GK_PAIR_FILTER)
+        gk_sample_crossed_bits(base, order_of(base, index, 0), pair, u, v);
+    else if (pair >= 8 && (kind == GK_PAIR_LIGHT_POINT || kind == GK_PAIR_BSDF))
+        gk_sample_ordered_bits(base, order_of(base, index, bounce), pair, u, v);
+    else
+        gk_sample_2d_bits(base, index, pair, u, v);
+}
+
+static void take(gk_u32 base, gk_u32 index, gk_u32 pair, gk_f32 *u, gk_f32 *v)
+{
+    gk_u32 a, b;
+    take_bits(base, index, pair, &a, &b);
+    *u = gk_unit_float(a);
+    *v = gk_unit_float(b);
+}
 
 // Points [first, first + 2^m) of a pair lie one in each of the 2^k x 2^(m-k) boxes.
 static void check_boxes(gk_u32 base, gk_u32 pair, gk_u32 first, int m, int k)
@@ -14,7 +41,7 @@ static void check_boxes(gk_u32 base, gk_u32 pair, gk_u32 first, int m, int k)
     memset(seen, 0, (size_t)1 << m);
     for (gk_u32 i = 0; i < 1u << m; i++) {
         gk_u32 u, v;
-        gk_sample_2d_bits(base, first + i, pair, &u, &v);
+        take_bits(base, first + i, pair, &u, &v);
         const gk_u32 column = (gk_u32)((uint64_t)u >> (32 - k));
         const gk_u32 row = (gk_u32)((uint64_t)v >> (32 - (m - k)));
         if (seen[row << k | column]++)
@@ -44,6 +71,52 @@ static void later_blocks_are_nets_too(void **state)
     for (gk_u32 block = 1; block < 12; block++)
         check_nets(gk_sampler_base(3, block, 9, block & 1), 11 + block, block * block);
     check_nets(gk_sampler_base(1, 2, 3, 0), 5, (1u << 22) - 1); // up to index 2^32 - 1
+    check_nets(gk_sampler_base(1, 2, 3, 1), GK_PAIR_FILTER, (1u << 22) - 1);
+}
+
+// Which of the 4^k parts of [0, 1) a fraction of 2^32 lies in.
+static gk_u32 quarter(gk_u32 u, int k)
+{
+    return (gk_u32)((uint64_t)u >> (32 - 2 * k));
+}
+
+// Points [first, first + 4^m) of two pairs lie one in each of the boxes of 4^-k[0] x ... x 4^-k[3].
+static void check_boxes_of_both(const gk_u32 (*point)[4], int m, const int k[4])
+{
+    static uint8_t seen[1 << 8];
+    memset(seen, 0, (size_t)1 << 2 * m);
+    for (int i = 0; i < 1 << 2 * m; i++) {
+        gk_u32 box = 0;
+        for (int d = 0; d < 4; d++)
+            box = box << 2 * k[d] | quarter(point[i][d], k[d]);
+        if (seen[box]++)
+            fail_msg("4^%d points: two in one box of %d %d %d %d", m, k[0], k[1], k[2], k[3]);
+    }
+}
+
+static void check_nets_of_both(gk_u32 base, gk_u32 pair, gk_u32 block, int m)
+{
+    gk_u32 point[1 << 8][4];
+    for (gk_u32 i = 0; i < 1u << 2 * m; i++) {
+        const gk_u32 index = (block << 2 * m) + i;
+        take_bits(base, index, GK_PAIR_FILTER, &point[i][0], &point[i][1]);
+        take_bits(base, index, pair, &point[i][2], &point[i][3]);
+    }
+    for (int a = 0; a <= m; a++)
+        for (int b = 0; a + b <= m; b++)
+            for (int c = 0; a + b + c <= m; c++)
+                check_boxes_of_both((const gk_u32(*)[4])point, m, (int[4]){a, b, c, m - a - b - c});
+}
+
+static void place_and_first_vertex_are_nets_in_four_dimensions(void **state)
+{
+    (void)state;
+    for (gk_u32 pixel = 0; pixel < 50; pixel++)
+        for (int m = 0; m <= 4; m++) {
+            const gk_u32 base = gk_sampler_base(pixel, 11, 5, pixel & 1);
+            check_nets_of_both(base, GK_PAIR_BOUNCE(0, GK_PAIR_BSDF), pixel, m);
+            check_nets_of_both(base, GK_PAIR_BOUNCE(0, GK_PAIR_LIGHT_POINT), pixel, m);
+        }
 }
 
 // One point in each of N strips moves the mean by half a strip at most.
@@ -54,7 +127,7 @@ static void means_are_within_half_a_stratum(void **state)
         double sum_u = 0, sum_v = 0;
         for (gk_u32 i = 0; i < 256; i++) {
             gk_f32 u, v;
-            gk_sample_2d(gk_sampler_base(pixel, 0, 0, 1), i, 3, &u, &v);
+            take(gk_sampler_base(pixel, 0, 0, 1), i, 3, &u, &v);
             sum_u += u;
             sum_v += v;
         }
@@ -81,7 +154,7 @@ static void each_element_is_uniform_over_pixels(void **state)
         for (gk_u32 i = 0; i < 1000000; i++) {
             gk_u32 u, v;
             const gk_u32 base = gk_sampler_base(i % 1000, i / 1000, fresh(4), (gk_u32)e & 1);
-            gk_sample_2d_bits(base, element[e], 8, &u, &v);
+            take_bits(base, element[e], 8, &u, &v);
             count[u >> 27 << 5 | v >> 27]++;
         }
         for (size_t c = 0; c < 1024; c++)
@@ -97,8 +170,7 @@ static void all_32_bits_are_fair(void **state)
     uint32_t ones[2][32] = {{0}};
     for (gk_u32 i = 0; i < N; i++) {
         gk_u32 value[2];
-        gk_sample_2d_bits(gk_sampler_base(i % 500, i / 500, fresh(1), 0), i & 15, 9, &value[0],
-                          &value[1]);
+        take_bits(gk_sampler_base(i % 500, i / 500, fresh(1), 0), i & 15, 9, &value[0], &value[1]);
         for (int c = 0; c < 2; c++)
             for (int b = 0; b < 32; b++)
                 ones[c][b] += value[c] >> b & 1;
@@ -138,7 +210,7 @@ static void pixels_of_one_picture_have_different_bases(void **state)
 static double dimension(gk_u32 x, gk_u32 y, gk_u32 seed, gk_u32 part, gk_u32 index, int d)
 {
     gk_f32 u, v;
-    gk_sample_2d(gk_sampler_base(x, y, seed, part), index, (gk_u32)d / 2, &u, &v);
+    take(gk_sampler_base(x, y, seed, part), index, (gk_u32)d / 2, &u, &v);
     return d & 1 ? v : u;
 }
 
@@ -186,7 +258,7 @@ static double estimate(gk_u32 base, gk_u32 pair, gk_u32 n, int smooth)
     double sum = 0;
     for (gk_u32 i = 0; i < n; i++) {
         gk_f32 u, v;
-        gk_sample_2d(base, i, pair, &u, &v);
+        take(base, i, pair, &u, &v);
         const double r2 = (double)u * u + (double)v * v;
         sum += smooth ? exp(-r2) : r2 < 1;
     }
@@ -236,6 +308,23 @@ static void errors_of_the_halves_are_independent(void **state)
     assert_odds(check_correlation(a, right, N), 1 / sqrt(N), 0);
 }
 
+// What is found by light and what is found by direction are summands: sharing an order must not make
+// their errors add up.
+static void errors_of_light_and_direction_are_independent(void **state)
+{
+    (void)state;
+    enum { N = 10000 };
+    static double light[N], direction[N];
+    for (int smooth = 0; smooth < 2; smooth++) {
+        for (gk_u32 i = 0; i < N; i++) {
+            const gk_u32 base = gk_sampler_base(i % 100, i / 100, fresh(6), 0);
+            light[i] = estimate(base, GK_PAIR_BOUNCE(1, GK_PAIR_LIGHT_POINT), 16, smooth);
+            direction[i] = estimate(base, GK_PAIR_BOUNCE(1, GK_PAIR_BSDF), 16, smooth);
+        }
+        assert_odds(check_correlation(light, direction, N), 1 / sqrt(N), 0);
+    }
+}
+
 // Pairs are padded: a 4-D product over two of them is unbiased. Mean of (u - 1/2)(u' - 1/2) over
 // 4096 pixels of 16 points each, every term of variance 1/144 if independent.
 static void pairs_are_padded_independently(void **state)
@@ -247,8 +336,8 @@ static void pairs_are_padded_independently(void **state)
         for (gk_u32 i = 0; i < PIXELS * POINTS; i++) {
             const gk_u32 base = gk_sampler_base(i / POINTS, 8, fresh(2), 0);
             gk_f32 u, w, v;
-            gk_sample_2d(base, i % POINTS, pair, &u, &v);
-            gk_sample_2d(base, i % POINTS, pair + 1, &w, &v);
+            take(base, i % POINTS, pair, &u, &v);
+            take(base, i % POINTS, pair + 1, &w, &v);
             sum += (u - 0.5) * (w - 0.5);
         }
         assert_odds(sum, sqrt((double)PIXELS * POINTS / 144), 0);
@@ -284,6 +373,7 @@ static void dimension_pairs_never_overlap(void **state)
     assert_true(GK_PAIR_FILTER < GK_PAIR_LENS && GK_PAIR_LENS < GK_PAIR_TIME);
     assert_int_equal(GK_PAIR_BOUNCE(0, GK_PAIR_LIGHT_CHOICE), 8);
     assert_int_equal(GK_PAIR_BOUNCE(3, GK_PAIR_ALPHA), 8 + 24 + 4);
+    assert_true(GK_PAIR_ORDER < GK_PAIR_LIGHT_PICK && GK_PAIR_LIGHT_PICK < GK_PAIRS_PER_BOUNCE);
     assert_true(GK_PAIR_BOUNCE(0, GK_PAIR_ALPHA) < GK_PAIR_BOUNCE(1, GK_PAIR_LIGHT_CHOICE));
 }
 
@@ -292,6 +382,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_power_of_two_of_samples_is_a_net_in_every_pair),
         cmocka_unit_test(later_blocks_are_nets_too),
+        cmocka_unit_test(place_and_first_vertex_are_nets_in_four_dimensions),
         cmocka_unit_test(means_are_within_half_a_stratum),
         cmocka_unit_test(each_element_is_uniform_over_pixels),
         cmocka_unit_test(all_32_bits_are_fair),
@@ -301,6 +392,7 @@ int main(void)
         cmocka_unit_test(dimensions_are_uncorrelated),
         cmocka_unit_test(error_falls_faster_than_plain_random),
         cmocka_unit_test(errors_of_the_halves_are_independent),
+        cmocka_unit_test(errors_of_light_and_direction_are_independent),
         cmocka_unit_test(pairs_are_padded_independently),
         cmocka_unit_test(scrambling_decides_each_node_by_itself),
         cmocka_unit_test(dimension_pairs_never_overlap),
