@@ -233,21 +233,45 @@ static glint_status accumulate_batch(struct glint_run *r, const struct glint_fil
     return st;
 }
 
-static glint_status accumulate_sample(struct glint_run *r, const struct glint_film_tile *at,
-                                      uint32_t n, uint32_t lane, uint32_t sample)
+// last: the half of one sample, or the step between those of four.
+static glint_status accumulate_film(struct glint_run *r, const struct glint_film_tile *at,
+                                    uint32_t n, uint32_t lane, bool four, uint32_t last)
 {
-    const uint32_t stride = STRIDE, half = sample & 1;
+    const uint32_t stride = STRIDE;
     const struct glint_arg args[] = {
         BUFFER(r->wave->columns), VALUE(stride), VALUE(n), VALUE(lane), BUFFER(at->planes),
-        VALUE(at->planes_offset), VALUE(half)};
-    glint_status st = glint_run_launch(r, "accumulate_colour", n, args, 7);
+        VALUE(at->planes_offset), VALUE(last)};
+    glint_status st =
+        glint_run_launch(r, four ? "accumulate_colour_4" : "accumulate_colour", n, args, 7);
     glint_run_charge(r, GLINT_PASS_COLOUR);
-    if (!st && glint_plan_has(r->job->plan, GLINT_PASS_BATCHES))
-        st = accumulate_batch(r, at, n, lane, sample);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_AOVS)) {
-        st = glint_run_launch(r, "accumulate_aovs", n, args, 6);
+        st = glint_run_launch(r, four ? "accumulate_aovs_4" : "accumulate_aovs", n, args,
+                              four ? 7 : 6);
         glint_run_charge(r, GLINT_PASS_AOVS);
     }
+    return st;
+}
+
+// The samples of a tile from s on: four of them, if there are and the first is of half 0, or one.
+// Returns their number.
+static uint32_t samples_at_once(const struct glint_wave_block *b, uint32_t s)
+{
+    return s + 4 <= b->samples && (b->sample + s) % 2 == 0 ? 4 : 1;
+}
+
+static glint_status accumulate_samples(struct glint_run *r, const struct glint_film_tile *at,
+                                       uint32_t first)
+{
+    const uint32_t step = 1u << r->pixels_log2;
+    glint_status st = GLINT_OK;
+    for (uint32_t s = 0, count; !st && s < r->block->samples; s += count) {
+        count = samples_at_once(r->block, s);
+        st = accumulate_film(r, at, GK_TILE_PIXELS, s * step + first, count == 4,
+                             count == 4 ? step : (r->block->sample + s) & 1);
+    }
+    const bool batches = glint_plan_has(r->job->plan, GLINT_PASS_BATCHES);
+    for (uint32_t s = 0; !st && batches && s < r->block->samples; s++)
+        st = accumulate_batch(r, at, GK_TILE_PIXELS, s * step + first, r->block->sample + s);
     return st;
 }
 
@@ -255,10 +279,7 @@ static glint_status accumulate_tile(struct glint_run *r, const struct glint_film
                                     uint32_t tile_in_block)
 {
     const uint32_t first = tile_in_block * GK_TILE_PIXELS;
-    glint_status st = GLINT_OK;
-    for (uint32_t s = 0; !st && s < r->block->samples; s++)
-        st = accumulate_sample(r, at, GK_TILE_PIXELS, (s << r->pixels_log2) + first,
-                               r->block->sample + s);
+    glint_status st = accumulate_samples(r, at, first);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_COVERAGE)) {
         st = glint_run_deposit_pixels(r, "deposit_coverage", at, GK_TILE_PIXELS, first);
         glint_run_charge(r, GLINT_PASS_COVERAGE);
@@ -328,7 +349,11 @@ static glint_status launch_all(struct glint_run *r)
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_UNOCCLUDED))
         st = glint_run_launch(r, "add_unoccluded", 0, args, 3);
     if (!st)
-        st = accumulate_sample(r, &nowhere, 0, 0, 0);
+        st = accumulate_film(r, &nowhere, 0, 0, false, 0);
+    if (!st)
+        st = accumulate_film(r, &nowhere, 0, 0, true, 0);
+    if (!st && glint_plan_has(r->job->plan, GLINT_PASS_BATCHES))
+        st = accumulate_batch(r, &nowhere, 0, 0, 0);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_COVERAGE))
         st = glint_run_deposit_pixels(r, "deposit_coverage", &nowhere, 0, 0);
     if (!st && r->job->matte_through)
