@@ -122,7 +122,7 @@ void glint_http_jobs_post(struct glint_request *r)
                    "Idempotency-Key: 1 to %d visible ASCII characters are needed", MAX_KEY);
     glint_auth_check_name(r, &err);
     const glint_status st = glint_job_parse(&job, glint_body_text(r), r->body.length, &err);
-    if (st != GLINT_E_SYNTAX && st != GLINT_E_TOO_LARGE)
+    if (err.count && st != GLINT_E_SYNTAX && st != GLINT_E_TOO_LARGE)
         check_scene(r, &err);
     if (!err.count)
         glint_jobs_submit(r->http->jobs, job, &from, id, &repeated, &err);

@@ -330,6 +330,12 @@ def test_a_repeated_submission_is_one_job():
         assert second.headers["Idempotent-Replayed"] == "true"
         assert daemon.post({**body, "seed": 1}, key).status == 422
         assert len(daemon.get("/v1/jobs").json()["jobs"]) == 1
+        daemon.frame(first.json()["id"])
+        assert daemon.delete("/v1/scenes/room").status == 204
+        third = daemon.post(body, key)  # its answer may have been lost, whatever was deleted since
+        assert third.status == 202 and third.json()["id"] == first.json()["id"]
+        assert daemon.post(body).status == 422
+        assert daemon.post({**body, "resolution": [0, 64]}).body.count(b'"pointer"') == 2
 
 
 def test_the_plan_and_the_curve_are_told():
