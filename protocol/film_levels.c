@@ -88,7 +88,8 @@ glint_status glint_film_excess_add(const struct glint_film_info *info,
         if (!samples || i % GK_TILE_SIDE >= size[0] || i / GK_TILE_SIDE >= size[1])
             continue;
         glint_film_held_read(info, pixels->table, i, &ranks.held);
-        add_pixel(info, type, types, samples, &ranks, out);
+        if (ranks.held.count > fewest(info->job))
+            add_pixel(info, type, types, samples, &ranks, out);
     }
     glint_film_ranks_finish(&ranks);
     return st;

@@ -8,7 +8,7 @@
 
 // Slots of a pixel that hold something: those of its table, and what it has in the places of its tile.
 struct glint_film_held {
-    uint64_t *slot; // [glint_film_held_room()]
+    uint64_t *slot; // [glint_film_held_room() + 1]
     uint32_t count;
 };
 uint32_t glint_film_held_room(const struct glint_film_info *info);

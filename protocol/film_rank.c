@@ -38,10 +38,12 @@ void glint_film_held_read(const struct glint_film_info *info, const uint64_t *ta
     const uint32_t slots = glint_film_info_slots(info), words = glint_film_info_words(info);
     const uint64_t *table = tables + (size_t)pixel * words;
     out->count = 0;
-    for (uint32_t s = 0; s < slots; s++)
-        if (gk_matte_key(table[s]))
-            out->slot[out->count++] = table[s];
-    if (info->job->dial[GLINT_DIAL_EVICTION] == GLINT_EVICTION_SPILL)
+    for (uint32_t s = 0; s < slots; s++) { // without a branch: one slot more has room
+        out->slot[out->count] = table[s];
+        out->count += gk_matte_key(table[s]) != 0;
+    }
+    const bool full = out->count == slots; // or it has no place, and no slot is ever emptied
+    if (full && info->job->dial[GLINT_DIAL_EVICTION] == GLINT_EVICTION_SPILL)
         read_places(tables, words, pixel, out);
 }
 
