@@ -307,23 +307,24 @@ static void weights_above_one_cut_a_ten_thousandth_at_most(void **state)
     }
 }
 
-static void shoot_part(struct shot *s, glint_resident *scene, const char *eviction)
+// mattes: a member of the job's.
+static void shoot_part(struct shot *s, glint_resident *scene, const char *mattes)
 {
     char *job = stable_text("{'scene':'s','resolution':[160,90],'region':[56,28,48,32],'stop':{"
                             "'samples':32},'outputs':['beauty','crypto_object'],'mattes':{"
-                            "'through':'glossy','eviction':'%s'}}",
-                            eviction);
+                            "'through':'glossy',%s}}",
+                            mattes);
     shoot(s, scene, job);
     free(job);
 }
 
 // Share of the pixels of a part of a demo scene, 160 x 90 as a whole, with coverages that are not those
 // of exact eviction to 1/255.
-static double inexact(glint_resident *scene, const struct shot *exact, const char *eviction)
+static double inexact(glint_resident *scene, const struct shot *exact, const char *mattes)
 {
     struct shot s;
     size_t off = 0;
-    shoot_part(&s, scene, eviction);
+    shoot_part(&s, scene, mattes);
     for (size_t i = 0; i < pixels(s.frame); i++) {
         bool same = true;
         for (uint32_t k = 0; k < 6; k++) {
@@ -346,9 +347,9 @@ static void twelve_slots_and_places_give_the_mattes_of_exact_eviction(void **sta
     for (size_t i = 0; i < COUNT(scenes); i++) {
         struct shot exact;
         glint_resident *scene = demo_scene(scenes[i]);
-        shoot_part(&exact, scene, "exact");
-        const double off = inexact(scene, &exact, "spill");
-        const double before = inexact(scene, &exact, "uss_direct_first");
+        shoot_part(&exact, scene, "'eviction':'exact'");
+        const double off = inexact(scene, &exact, "'eviction':'spill'");
+        const double before = inexact(scene, &exact, "'eviction':'uss_direct_first'");
         print_message("# %s: %.5f of the pixels are off, %.5f with slots alone\n", scenes[i], off,
                       before);
         assert_true(off <= 0.001 && before > 0.001);
@@ -375,16 +376,6 @@ static double left_out(const struct glint_frame *f)
     return 1.0 - fmin(least_sum(f, "CryptoObject"), least_sum(f, "CryptoGlossObject"));
 }
 
-static void shoot_levels(struct shot *s, glint_resident *scene, const char *levels)
-{
-    char *job = stable_text("{'scene':'s','resolution':[160,90],'region':[56,28,48,32],'stop':{"
-                            "'samples':32},'outputs':['beauty','crypto_object'],'mattes':{"
-                            "'through':'glossy','levels':%s}}",
-                            levels);
-    shoot(s, scene, job);
-    free(job);
-}
-
 static struct glint_matte_excess excess_of(const struct shot *s)
 {
     struct glint_render_state state;
@@ -406,9 +397,9 @@ static void files_with_as_many_levels_as_it_takes_leave_out_two_hundredths_at_mo
     (void)state;
     struct shot six, whole, all;
     glint_resident *scene = demo_scene("cluster");
-    shoot_levels(&six, scene, "6");
-    shoot_levels(&whole, scene, "'auto'");
-    shoot_levels(&all, scene, "16");
+    shoot_part(&six, scene, "'levels':6");
+    shoot_part(&whole, scene, "'levels':'auto'");
+    shoot_part(&all, scene, "'levels':16");
     const struct glint_matte_excess said = excess_of(&six);
     const uint32_t levels = levels_in(whole.frame, "CryptoObject");
     print_message("# 6 levels leave out %.4f, %u leave out %.4f; %.0f pixels have more than 6\n",

@@ -88,14 +88,21 @@ static void one_that_cannot_be_finished_fails(void **state)
     fixture_stop(&f);
 }
 
+// While its sketch is being finished.
+static const char *cancelled(struct fixture *f)
+{
+    bool forgotten;
+    const char *id = sketched(f, JOB);
+    assert_int_equal(glint_jobs_delete(f->jobs, id, &forgotten, NULL), GLINT_OK);
+    fixture_wait(f, id, GLINT_JOB_CANCELLED);
+    return id;
+}
+
 static void a_job_ends_while_it_is_finished(void **state)
 {
     (void)state;
     struct fixture f;
-    bool forgotten;
-    const char *id = sketched(&f, JOB);
-    assert_int_equal(glint_jobs_delete(f.jobs, id, &forgotten, NULL), GLINT_OK);
-    fixture_wait(&f, id, GLINT_JOB_CANCELLED);
+    cancelled(&f);
     fake_hold_move(false);
     fixture_stop(&f);
 }
@@ -104,10 +111,7 @@ static void one_that_was_cancelled_meanwhile_goes_on_and_is_finished(void **stat
 {
     (void)state;
     struct fixture f;
-    bool forgotten;
-    const char *id = sketched(&f, JOB);
-    assert_int_equal(glint_jobs_delete(f.jobs, id, &forgotten, NULL), GLINT_OK);
-    fixture_wait(&f, id, GLINT_JOB_CANCELLED);
+    const char *id = cancelled(&f);
     assert_int_equal(fixture_patch(&f, id, "{'stop': {'samples': 5}}"), GLINT_OK);
     fake_hold_move(false);
     fixture_wait(&f, id, GLINT_JOB_DONE);
