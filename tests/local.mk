@@ -153,8 +153,10 @@ film_bytes = tests/unit/film_bytes.c tests/unit/film_bytes.h
 tests_unit_test_film_file_SOURCES = tests/unit/test_film_file.c $(film_bytes)
 tests_unit_test_film_forged_SOURCES = tests/unit/test_film_forged.c $(film_bytes)
 tests_unit_test_film_SOURCES = tests/unit/test_film.c $(offline)
-tests_render_test_bounces_SOURCES = tests/render/test_bounces.c tests/stability/stable.c \
+bounced = tests/render/bounced.c tests/render/bounced.h tests/stability/stable.c \
 	tests/stability/stable.h $(offline) $(things)
+tests_render_test_bounces_SOURCES = tests/render/test_bounces.c $(bounced)
+tests_render_test_cones_SOURCES = tests/render/test_cones.c $(bounced)
 tests_render_test_matte_names_SOURCES = tests/render/test_matte_names.c $(offline) $(things)
 tests_render_test_mattes_SOURCES = tests/render/test_mattes.c $(offline) $(things)
 tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
@@ -162,6 +164,7 @@ tests_render_write_frame_LDADD = $(PROTOCOL_LIBS)
 stable = tests/stability/stable.c tests/stability/stable.h $(offline)
 effect_worlds = tests/render/effect_worlds.c tests/render/effect_worlds.h $(stable)
 tests_render_test_effects_SOURCES = tests/render/test_effects.c $(effect_worlds)
+revised = tests/render/revised.c tests/render/revised.h $(stable)
 moving = tests/render/moving.c tests/render/moving.h $(stable)
 filmed = tests/render/filmed.c tests/render/filmed.h $(stable)
 tests_render_test_adaptive_SOURCES = tests/render/test_adaptive.c $(scores) $(filmed)
@@ -172,13 +175,13 @@ tests_render_test_film_merge_SOURCES = tests/render/test_film_merge.c $(filmed)
 tests_render_test_film_capture_SOURCES = tests/render/test_film_capture.c $(filmed)
 tests_render_test_flow_SOURCES = tests/render/test_flow.c $(moving)
 tests_render_test_motion_SOURCES = tests/render/test_motion.c $(moving)
-tests_render_test_eq1_SOURCES = tests/render/test_eq1.c tests/stability/stable.c \
-	tests/stability/stable.h $(offline) $(things)
+tests_render_test_eq1_SOURCES = tests/render/test_eq1.c $(bounced)
 tests_render_test_features_SOURCES = tests/render/test_features.c $(stable)
 tests_render_test_many_lights_SOURCES = tests/render/test_many_lights.c $(stable)
 tests_render_test_need_SOURCES = tests/render/test_need.c $(stable)
+tests_render_test_placed_SOURCES = tests/render/test_placed.c $(revised)
 tests_render_test_precision_SOURCES = tests/render/test_precision.c $(stable)
-tests_render_test_resident_SOURCES = tests/render/test_resident.c $(stable)
+tests_render_test_resident_SOURCES = tests/render/test_resident.c $(revised)
 tests_stability_test_degenerate_SOURCES = tests/stability/test_degenerate.c $(stable)
 tests_stability_test_demo_SOURCES = tests/stability/test_demo.c $(stable)
 tests_stability_test_environment_SOURCES = tests/stability/test_environment.c $(stable)
@@ -235,8 +238,9 @@ tests_bench_stages_SOURCES = tests/bench/stages.c $(bench_waves)
 tests_bench_stages_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=glint_now
 
 # Jobs over stand-ins for renders and scenes.
-jobs_fixture = tests/unit/fake_render.c tests/unit/fake_render.h tests/unit/fake_scene.c \
-	tests/unit/fake_scene.h tests/unit/jobs_fixture.c tests/unit/jobs_fixture.h
+jobs_fixture = tests/unit/fake_render.c tests/unit/fake_render.h tests/unit/fake_control.c \
+	tests/unit/fake_state.h tests/unit/fake_scene.c tests/unit/fake_scene.h \
+	tests/unit/jobs_fixture.c tests/unit/jobs_fixture.h
 
 tests_unit_test_import_SOURCES = tests/unit/test_import.c tests/unit/glb_maker.c \
 	tests/unit/glb_maker.h

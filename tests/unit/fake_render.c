@@ -1,27 +1,12 @@
-#include "fake_render.h"
+#include "fake_state.h"
 
 #include "base/clock.h"
 #include "render/hold.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
-
-#define MAX_WORKERS 16
-#define MAX_SEED 8192
-#define MAX_BEGUN 65536
-
-struct glint_worker {
-    uint32_t index;
-    bool entered;
-};
-
-struct glint_devices {
-    uint32_t workers;
-    struct glint_worker worker[MAX_WORKERS];
-};
 
 enum block_state { BLOCK_FREE, BLOCK_TAKEN, BLOCK_RUN, BLOCK_BACK };
 
@@ -37,254 +22,6 @@ struct glint_render {
     bool sketch, shown; // all blocks of a sketch are back
     unsigned running;   // slices at workers
 };
-
-// How the job with a seed behaves.
-struct behaviour {
-    bool fail_slice, stuck, fail_move, sketch;
-    glint_status create_status;
-    unsigned create_failures;
-    double seconds;
-};
-
-static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
-static pthread_cond_t changed = PTHREAD_COND_INITIALIZER;
-static struct glint_devices devices;
-static struct behaviour behaviour[MAX_SEED];
-static bool gate_closed, create_held, deaf;
-static unsigned let, creates_waiting;
-static uint32_t begun[MAX_BEGUN], creates;
-static size_t begins;
-static int renders, broken, views;
-static bool move_held;
-static uint32_t moves, restarts;
-static float fov;
-
-static void lock(void)
-{
-    pthread_mutex_lock(&mutex);
-}
-
-static void unlock(void)
-{
-    pthread_cond_broadcast(&changed);
-    pthread_mutex_unlock(&mutex);
-}
-
-static void must(bool holds, const char *rule)
-{
-    if (holds)
-        return;
-    if (broken++ < 5) // one is enough, a thousand drown it
-        fprintf(stderr, "# broken: %s\n", rule);
-}
-
-glint_devices *fake_devices(uint32_t workers)
-{
-    devices = (struct glint_devices){.workers = workers};
-    for (uint32_t i = 0; i < workers; i++)
-        devices.worker[i].index = i;
-    return &devices;
-}
-
-void fake_reset(void)
-{
-    lock();
-    must(!renders, "a render outlives its test");
-    for (size_t i = 0; i < MAX_SEED; i++)
-        behaviour[i] = (struct behaviour){0};
-    must(!views, "a view outlives its test");
-    gate_closed = create_held = move_held = deaf = false;
-    moves = restarts = 0;
-    let = 0;
-    creates = 0;
-    begins = 0;
-    unlock();
-}
-
-void fake_close_gate(void)
-{
-    lock();
-    gate_closed = true;
-    unlock();
-}
-
-void fake_open_gate(void)
-{
-    lock();
-    gate_closed = false;
-    unlock();
-}
-
-void fake_deafen(void)
-{
-    lock();
-    deaf = true;
-    unlock();
-}
-
-void fake_let(unsigned slices)
-{
-    lock();
-    let += slices;
-    unlock();
-}
-
-void fake_hold_create(bool held)
-{
-    lock();
-    create_held = held;
-    unlock();
-}
-
-void fake_wait_create(void)
-{
-    lock();
-    while (!creates_waiting)
-        pthread_cond_wait(&changed, &mutex);
-    unlock();
-}
-
-void fake_fail_slice(uint32_t seed)
-{
-    lock();
-    behaviour[seed].fail_slice = true;
-    unlock();
-}
-
-void fake_fail_create(uint32_t seed, glint_status status, unsigned times)
-{
-    lock();
-    behaviour[seed].create_status = status;
-    behaviour[seed].create_failures = times;
-    unlock();
-}
-
-void fake_fail_move(uint32_t seed)
-{
-    lock();
-    behaviour[seed].fail_move = true;
-    unlock();
-}
-
-void fake_hold_move(bool held)
-{
-    lock();
-    move_held = held;
-    unlock();
-}
-
-void fake_wait_moves(uint32_t count)
-{
-    lock();
-    while (moves < count)
-        pthread_cond_wait(&changed, &mutex);
-    unlock();
-}
-
-uint32_t fake_moves(void)
-{
-    lock();
-    const uint32_t count = moves;
-    unlock();
-    return count;
-}
-
-float fake_wait_restarts(uint32_t count)
-{
-    lock();
-    while (restarts < count)
-        pthread_cond_wait(&changed, &mutex);
-    const float last = fov;
-    unlock();
-    return last;
-}
-
-uint32_t fake_restarts(void)
-{
-    lock();
-    const uint32_t count = restarts;
-    unlock();
-    return count;
-}
-
-int fake_views(void)
-{
-    lock();
-    const int count = views;
-    unlock();
-    return count;
-}
-
-void fake_stick(uint32_t seed)
-{
-    lock();
-    behaviour[seed].stuck = true;
-    unlock();
-}
-
-void fake_sketch(uint32_t seed)
-{
-    lock();
-    behaviour[seed].sketch = true;
-    unlock();
-}
-
-void fake_slice_seconds(uint32_t seed, double seconds)
-{
-    lock();
-    behaviour[seed].seconds = seconds;
-    unlock();
-}
-
-void fake_begun(size_t count, uint32_t *seed)
-{
-    lock();
-    while (begins < count)
-        pthread_cond_wait(&changed, &mutex);
-    for (size_t i = 0; seed && i < count; i++)
-        seed[i] = begun[i];
-    unlock();
-}
-
-size_t fake_begun_now(void)
-{
-    lock();
-    const size_t count = begins;
-    unlock();
-    return count;
-}
-
-uint32_t fake_creates(void)
-{
-    lock();
-    const uint32_t count = creates;
-    unlock();
-    return count;
-}
-
-void fake_wait_creates(uint32_t count)
-{
-    lock();
-    while (creates < count)
-        pthread_cond_wait(&changed, &mutex);
-    unlock();
-}
-
-int fake_renders(void)
-{
-    lock();
-    const int count = renders;
-    unlock();
-    return count;
-}
-
-int fake_broken(void)
-{
-    lock();
-    const int count = broken;
-    unlock();
-    return count;
-}
 
 uint32_t glint_devices_workers(const glint_devices *d)
 {
@@ -304,13 +41,13 @@ void glint_worker_enter(glint_worker *worker)
 // With the mutex.
 static glint_status create_failure(uint32_t seed)
 {
-    struct behaviour *b = &behaviour[seed];
-    creates++;
-    creates_waiting++;
-    pthread_cond_broadcast(&changed);
-    while (create_held)
-        pthread_cond_wait(&changed, &mutex);
-    creates_waiting--;
+    struct behaviour *b = &fake.behaviour[seed];
+    fake.creates++;
+    fake.creates_waiting++;
+    pthread_cond_broadcast(&fake.changed);
+    while (fake.create_held)
+        pthread_cond_wait(&fake.changed, &fake.mutex);
+    fake.creates_waiting--;
     if (!b->create_failures)
         return GLINT_OK;
     b->create_failures--;
@@ -347,10 +84,10 @@ glint_status glint_render_create(glint_render **out, struct glint_devices *d,
     (void)scene;
     (void)pose;
     *out = NULL;
-    lock();
+    fake_lock();
     const glint_status failure = create_failure(job->seed);
-    renders += !failure;
-    unlock();
+    fake.renders += !failure;
+    fake_unlock();
     if (failure)
         return glint_fail(err, failure, "", "job %u cannot be prepared", job->seed);
     *out = calloc(1, sizeof **out);
@@ -365,18 +102,18 @@ glint_status glint_render_sketch(glint_render **out, struct glint_devices *d,
 {
     const glint_status st = glint_render_create(out, d, scene, pose, job, err);
     if (!st) {
-        lock();
-        (*out)->sketch = behaviour[job->seed].sketch;
-        unlock();
+        fake_lock();
+        (*out)->sketch = fake.behaviour[job->seed].sketch;
+        fake_unlock();
     }
     return st;
 }
 
 bool glint_render_is_sketch(const glint_render *r)
 {
-    lock();
+    fake_lock();
     const bool is = r->sketch;
-    unlock();
+    fake_unlock();
     return is;
 }
 
@@ -384,10 +121,10 @@ void glint_render_destroy(glint_render **render)
 {
     if (!*render)
         return;
-    lock();
-    must((*render)->running == 0, "a render goes while a slice of it runs");
-    renders--;
-    unlock();
+    fake_lock();
+    fake_must((*render)->running == 0, "a render goes while a slice of it runs");
+    fake.renders--;
+    fake_unlock();
     free((*render)->block);
     free(*render);
     *render = NULL;
@@ -400,16 +137,16 @@ glint_status glint_render_move(glint_view **out, glint_render *r, struct glint_r
     (void)scene;
     (void)pose;
     *out = NULL;
-    lock();
-    must(r->job.live || r->sketch, "only a live job moves, or a sketch");
-    moves++;
-    pthread_cond_broadcast(&changed);
-    while (move_held)
-        pthread_cond_wait(&changed, &mutex);
-    const bool fails = behaviour[job->seed].fail_move;
-    behaviour[job->seed].fail_move = false;
-    views += !fails;
-    unlock();
+    fake_lock();
+    fake_must(r->job.live || r->sketch, "only a live job moves, or a sketch");
+    fake.moves++;
+    pthread_cond_broadcast(&fake.changed);
+    while (fake.move_held)
+        pthread_cond_wait(&fake.changed, &fake.mutex);
+    const bool fails = fake.behaviour[job->seed].fail_move;
+    fake.behaviour[job->seed].fail_move = false;
+    fake.views += !fails;
+    fake_unlock();
     if (fails)
         return glint_fail(err, GLINT_E_RANGE, "/camera", "job %u cannot move", job->seed);
     *out = calloc(1, sizeof **out);
@@ -419,23 +156,23 @@ glint_status glint_render_move(glint_view **out, glint_render *r, struct glint_r
 
 void glint_view_release(glint_view **view)
 {
-    lock();
-    views -= *view != NULL;
-    unlock();
+    fake_lock();
+    fake.views -= *view != NULL;
+    fake_unlock();
     free(*view);
     *view = NULL;
 }
 
 void glint_render_interrupt(glint_render *r, bool on)
 {
-    lock();
+    fake_lock();
     r->interrupted = on;
-    unlock();
+    fake_unlock();
 }
 
 bool glint_render_extend(glint_render *r, uint32_t samples, double error)
 {
-    lock();
+    fake_lock();
     bool begun_more = r->back > 0;
     for (uint32_t i = 0; i < r->job.width; i++)
         begun_more |= r->block[i] != BLOCK_FREE;
@@ -444,37 +181,37 @@ bool glint_render_extend(glint_render *r, uint32_t samples, double error)
         r->job.stop.samples = samples;
         r->job.stop.error = error;
     }
-    unlock();
+    fake_unlock();
     return possible;
 }
 
 void glint_render_restart(glint_render *r, glint_view **view)
 {
-    lock();
+    fake_lock();
     for (uint32_t i = 0; i < r->job.width; i++) {
-        must(r->block[i] == BLOCK_FREE || r->block[i] == BLOCK_BACK,
-             "a render starts again while no slice is out");
+        fake_must(r->block[i] == BLOCK_FREE || r->block[i] == BLOCK_BACK,
+                  "a render starts again while no slice is out");
         r->block[i] = BLOCK_FREE;
     }
     r->sample = r->back = 0;
     r->interrupted = r->sketch = r->shown = false;
-    restarts++;
-    fov = (*view)->job.camera.yfov;
-    unlock();
+    fake.restarts++;
+    fake.fov = (*view)->job.camera.yfov;
+    fake_unlock();
 }
 
 bool glint_render_take(glint_render *r, struct glint_slice *out)
 {
-    lock();
+    fake_lock();
     uint32_t i = 0;
     while (i < r->job.width && r->block[i] != BLOCK_FREE)
         i++;
     const bool any = i < r->job.width && r->sample < r->job.stop.samples &&
-                     !behaviour[r->job.seed].stuck && !r->shown;
+                     !fake.behaviour[r->job.seed].stuck && !r->shown;
     if (any)
         r->block[i] = BLOCK_TAKEN;
     *out = (struct glint_slice){.block = i, .sample = r->sample, .samples = 1};
-    unlock();
+    fake_unlock();
     return any;
 }
 
@@ -490,43 +227,44 @@ glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
 {
     if (!glint_hold_take(slice->hold))
         return GLINT_E_BUSY;
-    lock();
-    must(worker->entered, "a worker runs a slice before it has set its arithmetic");
-    must(r->block[slice->block] == BLOCK_TAKEN, "a slice is run once, by whom it was given to");
-    must(slice->sample == r->sample, "a slice belongs to the pass that is under way");
+    fake_lock();
+    fake_must(worker->entered, "a worker runs a slice before it has set its arithmetic");
+    fake_must(r->block[slice->block] == BLOCK_TAKEN,
+              "a slice is run once, by whom it was given to");
+    fake_must(slice->sample == r->sample, "a slice belongs to the pass that is under way");
     r->block[slice->block] = BLOCK_RUN;
-    if (begins < MAX_BEGUN)
-        begun[begins] = r->job.seed;
-    begins++;
+    if (fake.begins < MAX_BEGUN)
+        fake.begun[fake.begins] = r->job.seed;
+    fake.begins++;
     r->running++;
     glint_hold_begin(slice->hold);
-    pthread_cond_broadcast(&changed);
-    while (gate_closed && !let && (deaf || !r->interrupted))
-        pthread_cond_wait(&changed, &mutex);
+    pthread_cond_broadcast(&fake.changed);
+    while (fake.gate_closed && !fake.let && (fake.deaf || !r->interrupted))
+        pthread_cond_wait(&fake.changed, &fake.mutex);
     if (r->interrupted || !glint_hold_keep(slice->hold)) {
         r->running--;
-        unlock();
+        fake_unlock();
         return GLINT_E_BUSY;
     }
-    let -= gate_closed;
-    const double seconds = behaviour[r->job.seed].seconds;
-    const bool fails = behaviour[r->job.seed].fail_slice;
-    behaviour[r->job.seed].fail_slice = false;
-    unlock();
+    fake.let -= fake.gate_closed;
+    const double seconds = fake.behaviour[r->job.seed].seconds;
+    const bool fails = fake.behaviour[r->job.seed].fail_slice;
+    fake.behaviour[r->job.seed].fail_slice = false;
+    fake_unlock();
     spin(seconds);
-    lock();
+    fake_lock();
     r->running--;
-    unlock();
+    fake_unlock();
     return fails ? glint_fail(err, GLINT_E_DEVICE, "", "a slice of job %u failed", r->job.seed)
                  : GLINT_OK;
 }
 
 void glint_render_give_back(glint_render *r, const struct glint_slice *slice, bool done)
 {
-    lock();
+    fake_lock();
     const unsigned char state = r->block[slice->block];
-    must(done ? state == BLOCK_RUN : state == BLOCK_TAKEN || state == BLOCK_RUN,
-         "what is given back was taken, and run if it is done");
+    fake_must(done ? state == BLOCK_RUN : state == BLOCK_TAKEN || state == BLOCK_RUN,
+              "what is given back was taken, and run if it is done");
     r->block[slice->block] = done ? BLOCK_BACK : BLOCK_FREE;
     r->back += done;
     r->shown = r->sketch && r->back == r->job.width;
@@ -536,20 +274,20 @@ void glint_render_give_back(glint_render *r, const struct glint_slice *slice, bo
         for (uint32_t i = 0; i < r->job.width; i++)
             r->block[i] = BLOCK_FREE;
     }
-    unlock();
+    fake_unlock();
 }
 
 bool glint_render_complete(const glint_render *r)
 {
-    lock();
+    fake_lock();
     const bool complete = r->sample == r->job.stop.samples;
-    unlock();
+    fake_unlock();
     return complete;
 }
 
 void glint_render_state(const glint_render *r, struct glint_render_state *out)
 {
-    lock();
+    fake_lock();
     const double all = (double)r->job.width * r->job.stop.samples;
     *out = (struct glint_render_state){
         .samples = r->sample,
@@ -560,7 +298,7 @@ void glint_render_state(const glint_render *r, struct glint_render_state *out)
         .camera_rays = (uint64_t)r->sample * 100,
         .bounce_rays = 7,
         .shadow_rays = 3};
-    unlock();
+    fake_unlock();
 }
 
 // A film is its numbers between two words.
@@ -570,9 +308,9 @@ void glint_render_state(const glint_render *r, struct glint_render_state *out)
 glint_status glint_render_film(glint_render *r, int fd, struct glint_error *err)
 {
     char text[FILM_BYTES + 1];
-    lock();
+    fake_lock();
     snprintf(text, sizeof text, FILM, r->job.seed, r->job.width, r->sample);
-    unlock();
+    fake_unlock();
     if (write(fd, text, FILM_BYTES) == FILM_BYTES)
         return GLINT_OK;
     return glint_fail(err, GLINT_E_IO, "", "the film cannot be written");
@@ -601,9 +339,9 @@ glint_status glint_render_restore(glint_render *r, int fd, struct glint_error *e
         return st;
     if (number[0] != r->job.seed)
         return glint_fail(err, GLINT_E_RANGE, "", "it is the film of job %u", number[0]);
-    lock();
+    fake_lock();
     r->sample = number[2];
-    unlock();
+    fake_unlock();
     return GLINT_OK;
 }
 
@@ -619,8 +357,8 @@ glint_status glint_render_open(glint_render **out, int fd, struct glint_error *e
     (*out)->job.width = number[1];
     (*out)->job.stop.samples = (*out)->sample = number[2];
     (*out)->block = calloc(number[1], 1);
-    lock();
-    renders++;
-    unlock();
+    fake_lock();
+    fake.renders++;
+    fake_unlock();
     return GLINT_OK;
 }

@@ -62,6 +62,13 @@ static void wait_while_held(void)
     pthread_mutex_unlock(&mutex);
 }
 
+static void free_text(void *text, size_t bytes)
+{
+    (void)bytes;
+    free(text);
+    atomic_fetch_sub(&imports, 1);
+}
+
 glint_status glint_import_run(glint_importer *importer, const struct glint_import_source *source,
                               const struct glint_import_limits *limits, struct glint_import **out,
                               struct glint_error *err)
@@ -77,12 +84,12 @@ glint_status glint_import_run(glint_importer *importer, const struct glint_impor
     memcpy((*out)->text, source->bytes, source->size);
     (*out)->text[source->size] = '\0';
     (*out)->length = source->size;
+    (*out)->memory = glint_memory_ref_create((*out)->text, source->size, free_text);
     (*out)->seconds = 0.25;
     atomic_fetch_add(&imports, 1);
     return GLINT_OK;
 }
 
-// Of a fake import, or of what an edit made like one.
 bool glint_importer_lives(const glint_importer *importer)
 {
     (void)importer;
@@ -95,10 +102,6 @@ void glint_import_destroy(struct glint_import **import)
     *import = NULL;
     if (!im)
         return;
-    if (!im->memory) {
-        free(im->text);
-        atomic_fetch_sub(&imports, 1);
-    }
     glint_asset_set_release(&im->set);
     glint_memory_ref_release(&im->memory);
     free(im->warning);

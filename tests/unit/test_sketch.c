@@ -51,12 +51,34 @@ static void slices_that_are_out_when_it_is_finished_come_back_first(void **state
     fixture_start(&f, 2);
     fake_sketch(1);
     fake_close_gate();
+    fake_deafen();
     const char *id = fixture_submit(&f, JOB);
-    fake_begun(1, NULL);
+    fake_begun(2, NULL); // both are out before one is let through
+    fake_let(1);
     fake_wait_moves(1);
+    assert_int_equal(fake_restarts(), 0);
     fake_open_gate();
     fixture_wait(&f, id, GLINT_JOB_DONE);
     assert_int_equal(fake_restarts(), 1);
+    fixture_stop(&f);
+}
+
+// What takes all cores waits until something of the sketch can be seen.
+static void nothing_is_finished_before_a_slice_is_back(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 2);
+    fake_sketch(1);
+    fake_close_gate();
+    const char *id = fixture_submit(&f, JOB);
+    fake_begun(2, NULL); // one for each worker
+    for (int i = 0; i < 5; i++)
+        doze();
+    assert_int_equal(fake_moves(), 0);
+    fake_open_gate();
+    fixture_wait(&f, id, GLINT_JOB_DONE);
+    assert_int_equal(fake_moves(), 1);
     fixture_stop(&f);
 }
 
@@ -138,6 +160,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sketch_is_finished_and_counts_for_nothing),
         cmocka_unit_test(slices_that_are_out_when_it_is_finished_come_back_first),
+        cmocka_unit_test(nothing_is_finished_before_a_slice_is_back),
         cmocka_unit_test(the_time_of_a_job_begins_with_its_first_sample),
         cmocka_unit_test(one_that_cannot_be_finished_fails),
         cmocka_unit_test(a_job_ends_while_it_is_finished),

@@ -185,14 +185,15 @@ static void a_failed_job_does_not_go_on(void **state)
     fixture_stop(&f);
 }
 
-// Has one sample of four pixels, and the worker is at the first pixel of the second.
-static const char *late_job(struct fixture *f)
+// Has one sample of four pixels, and each worker is at a pixel of the second.
+static const char *late_job(struct fixture *f, uint32_t workers)
 {
+    fixture_start(f, workers);
     fake_close_gate();
     fake_deafen();
     const char *id = fixture_submit(f, "{'scene': 's', " WIDE ", 'stop': {'samples': 3}}");
     fake_let(4);
-    fake_begun(5, NULL);
+    fake_begun(4 + workers, NULL);
     assert_int_equal(fixture_patch(f, id, "{'stop': {'seconds': 1e-3}}"), GLINT_OK);
     fixture_wait(f, id, GLINT_JOB_DONE);
     return id;
@@ -202,8 +203,7 @@ static void time_is_over_without_a_worker_that_gets_no_processor(void **state)
 {
     (void)state;
     struct fixture f;
-    fixture_start(&f, 1);
-    const char *id = late_job(&f);
+    const char *id = late_job(&f, 1);
     assert_int_equal(fake_begun_now(), 5); // it is there still
     assert_true(fixture_number(&f, id, "samples") == 1);
     const double seconds = fixture_number(&f, id, "cpu_seconds");
@@ -220,8 +220,7 @@ static void a_job_may_be_forgotten_before_its_worker_notices(void **state)
 {
     (void)state;
     struct fixture f;
-    fixture_start(&f, 1);
-    const char *id = late_job(&f);
+    const char *id = late_job(&f, 1);
     assert_int_equal(forget_or_cancel(&f, id), GLINT_OK);
     assert_null(glint_jobs_describe(f.jobs, id, NULL));
     assert_int_equal(fake_renders(), 1);
@@ -235,8 +234,7 @@ static void the_daemon_ends_while_a_worker_has_not_noticed(void **state)
 {
     (void)state;
     struct fixture f;
-    fixture_start(&f, 2);
-    late_job(&f);
+    late_job(&f, 2);
     fixture_stop(&f);
 }
 
