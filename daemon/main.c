@@ -157,6 +157,7 @@ static void prepare_process(void)
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN); // a file that may not grow is a full disk
     raise_file_limit();
+    glint_memory_share_arena();
 }
 
 static int run(struct glint_house *h)

@@ -1,5 +1,6 @@
 #include "mirror.h"
 
+#include "base/memory.h"
 #include "base/process.h"
 
 #include <stdlib.h>
@@ -11,6 +12,7 @@ struct glint_mirror {
     glint_metric *submitted, *waits, *wait_seconds, *slices, *busy, *films, *ended_films,
         *most_film;
     glint_metric *scenes, *bytes, *imports, *failures;
+    glint_metric *heap_used, *heap_free, *heap_mapped;
     glint_metric *cpu, *started, *resident, *address, *threads, *files, *most_files;
 };
 
@@ -55,10 +57,20 @@ static void refresh_process(const struct glint_mirror *m)
     glint_metric_set(m->most_files, p.most_files);
 }
 
+static void refresh_heap(const struct glint_mirror *m)
+{
+    struct glint_heap heap;
+    glint_memory_heap(&heap);
+    glint_metric_set(m->heap_used, (double)heap.used);
+    glint_metric_set(m->heap_free, (double)heap.free);
+    glint_metric_set(m->heap_mapped, (double)heap.mapped);
+}
+
 static void refresh(void *user)
 {
     refresh_jobs(user);
     refresh_scenes(user);
+    refresh_heap(user);
     refresh_process(user);
 }
 
@@ -103,6 +115,16 @@ static void name_scenes(struct glint_mirror *m, glint_metrics *metrics)
                                         "Scenes that were refused or did not fit.", NULL, 0);
 }
 
+static void name_heap(struct glint_mirror *m, glint_metrics *metrics)
+{
+    static const char help[] = "Memory that the C library has from the system, by what it is.";
+    const struct glint_label used = {"state", "used"}, idle = {"state", "free"},
+                             mapped = {"state", "mapped"};
+    m->heap_used = glint_metrics_gauge(metrics, "heap_bytes", help, &used, 1);
+    m->heap_free = glint_metrics_gauge(metrics, "heap_bytes", help, &idle, 1);
+    m->heap_mapped = glint_metrics_gauge(metrics, "heap_bytes", help, &mapped, 1);
+}
+
 static void name_process(struct glint_mirror *m, glint_metrics *metrics)
 {
     m->cpu = glint_metrics_counter(metrics, "process_cpu_seconds_total",
@@ -140,6 +162,7 @@ glint_status glint_mirror_create(glint_mirror **out, glint_metrics *metrics, gli
     name_jobs(m, metrics);
     name_films(m, metrics);
     name_scenes(m, metrics);
+    name_heap(m, metrics);
     name_process(m, metrics);
     glint_metric_set(glint_metrics_gauge(metrics, "workers", "Worker threads.", NULL, 0),
                      glint_devices_workers(devices));

@@ -92,6 +92,7 @@ UNIT_TESTS = \
 	tests/unit/test_sketch \
 	tests/unit/test_light_grid \
 	tests/unit/test_log \
+	tests/unit/test_memory \
 	tests/unit/test_metrics \
 	tests/unit/test_multipart \
 	tests/unit/test_nearest \
@@ -121,6 +122,7 @@ UNIT_TESTS = \
 	tests/unit/test_stop \
 	tests/unit/test_store \
 	tests/unit/test_vault \
+	tests/unit/test_thread \
 	tests/unit/test_tokens \
 	tests/unit/test_turn
 

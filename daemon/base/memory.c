@@ -1,7 +1,10 @@
 #include "base/memory.h"
 
+#include <malloc.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #define GROUP_BYTES 512
@@ -62,6 +65,68 @@ uint64_t glint_memory_resident(void)
     if (f)
         fclose(f);
     return found == 1 ? pages * (uint64_t)sysconf(_SC_PAGESIZE) : 0;
+}
+
+// Where the C library arrives by itself once a large block has been freed: smaller blocks are the
+// heap's, of whose end so much is kept.
+#define MAPPED_BYTES ((size_t)32 << 20)
+#define KEPT_BYTES (2 * MAPPED_BYTES)
+#define MOST_EXPECTED ((uint64_t)1 << 30)
+#define LARGE_PAGE ((uintptr_t)2 << 20)
+
+void glint_memory_share_arena(void)
+{
+    mallopt(M_ARENA_MAX, 1);
+    mallopt(M_MMAP_THRESHOLD, (int)MAPPED_BYTES);
+    glint_memory_settle();
+}
+
+static void wish_large_pages(const void *block, size_t bytes)
+{
+    const uintptr_t first = ((uintptr_t)block + LARGE_PAGE - 1) / LARGE_PAGE * LARGE_PAGE;
+    const uintptr_t end = ((uintptr_t)block + bytes) / LARGE_PAGE * LARGE_PAGE;
+    if (first < end)
+        madvise((void *)first, end - first, MADV_HUGEPAGE); // a wish: it works without
+}
+
+// A block of the heap, the one before it in its first bytes.
+static void **add_piece(void **before, size_t bytes)
+{
+    void **piece = malloc(bytes);
+    if (!piece)
+        return NULL;
+    wish_large_pages(piece, bytes);
+    *piece = before;
+    return piece;
+}
+
+void glint_memory_expect(uint64_t bytes)
+{
+    const size_t most = MAPPED_BYTES / 2;
+    void **last = NULL, **piece = NULL;
+    bytes = bytes < MOST_EXPECTED ? bytes : MOST_EXPECTED;
+    mallopt(M_TRIM_THRESHOLD, (int)(KEPT_BYTES + bytes));
+    for (size_t size; bytes >= LARGE_PAGE; bytes -= size) {
+        size = bytes < most ? (size_t)bytes : most;
+        if (!(piece = add_piece(last, size)))
+            break;
+        last = piece;
+    }
+    for (; last; last = piece) {
+        piece = *last;
+        free(last);
+    }
+}
+
+void glint_memory_settle(void)
+{
+    mallopt(M_TRIM_THRESHOLD, (int)KEPT_BYTES);
+}
+
+void glint_memory_heap(struct glint_heap *out)
+{
+    const struct mallinfo2 now = mallinfo2();
+    *out = (struct glint_heap){now.uordblks, now.fordblks, now.hblkhd};
 }
 
 const char *glint_memory_text(uint64_t bytes, char out[16])

@@ -9,7 +9,8 @@
 #include <stdlib.h>
 
 #define MOVER_ORDERS 256
-#define WORKER_NICE 5 // who waits for an event or an answer does not wait for a slice
+#define WORKER_NICE 5      // who waits for an event or an answer does not wait for a slice
+#define WORKER_TURN 0.0035 // seconds, less than a tick: it is waited for in the worst case
 
 struct order {
     struct glint_entry *entry; // alive while a slice of it is out
@@ -46,6 +47,7 @@ static void *work(void *arg)
     const struct member *m = arg;
     glint_worker *worker = glint_devices_worker(m->devices, m->index);
     glint_thread_yield_to_others(WORKER_NICE);
+    glint_thread_turns(WORKER_TURN);
     glint_worker_enter(worker);
     for (struct order order; glint_queue_pop(m->orders, &order);) {
         struct glint_message answer = {.kind = GLINT_MESSAGE_RETURNED,

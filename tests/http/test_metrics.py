@@ -138,5 +138,37 @@ def test_figures_are_those_of_the_process_and_its_work():
             assert time.monotonic() < end, (strange, text)
 
 
+ARENA = 64 << 20  # of address space: each arena but the first begins at a multiple of it
+
+
+def mappings(process):
+    """(first byte, byte behind, access, name) of each."""
+    with open(f"/proc/{process}/maps", encoding="utf-8") as file:
+        for line in file:
+            found = re.match(r"(\w+)-(\w+) (\S+) \S+ \S+ \d+\s*(.*)", line)
+            yield int(found[1], 16), int(found[2], 16), found[3], found[4]
+
+
+def arenas(process):
+    """Those of the C library that are not its first: what is in use, and closed what is not yet."""
+    maps = list(mappings(process))
+    return sum(1 for (start, middle, access, name), (behind, end, closed, _) in zip(maps, maps[1:])
+               if start % ARENA == 0 and access == "rw-p" and not name
+               and behind == middle and closed == "---p" and end == start + ARENA)
+
+
+# Each arena keeps what was ever needed at one time in the threads that it serves: with one for each
+# thread memory crept up for hours.
+def test_all_threads_allocate_from_one_heap():
+    with Daemon("--threads", "2") as daemon:
+        render(daemon)
+        _, samples = families(scrape(daemon))
+        used = samples["glint_heap_bytes"]['state="used"']
+        if any(re.search(r"/lib[at]san\.", name) for *_, name in mappings(daemon.process.pid)):
+            return  # has a heap of its own
+        assert used > 0
+        assert arenas(daemon.process.pid) == 0
+
+
 if __name__ == "__main__":
     tap.main()
