@@ -1,5 +1,5 @@
 // json.c - parse, pointers and typed readers.
-#include "protocol/json.h"
+#include "protocol/json_lists.h"
 
 #include <assert.h>
 #include <math.h>
@@ -152,10 +152,12 @@ glint_status glint_json_parse(cJSON **out, const char *text, size_t length,
 {
     assert(out && text && limits);
     *out = NULL;
-    glint_status status = glint_json_check(text, length, limits, err);
+    struct glint_json_lists lists = {0};
+    glint_status status = glint_json_find_lists(text, length, limits, &lists, err);
+    cJSON *tree = status ? NULL : glint_json_tree(text, length, &lists);
+    glint_json_lists_finish(&lists);
     if (status)
         return status;
-    cJSON *tree = cJSON_ParseWithLengthOpts(text, length, NULL, false);
     if (!tree)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for %zu bytes of JSON", length);
     struct glint_error local = {0};

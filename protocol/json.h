@@ -22,6 +22,9 @@ struct glint_json_limits {
     size_t bytes;
     size_t depth;  // of arrays and objects in each other, at most 64
     size_t values; // of all kinds; each costs about 80 bytes while it is read
+    // NULL-terminated keys whose arrays of numbers the tree keeps as their text (json_lists.h), or
+    // NULL. Only what this header has for arrays of numbers reads them.
+    const char *const *lists;
 };
 
 // For requests: 1 MiB, 16 deep, 20000 values.

@@ -2,7 +2,7 @@
 //
 // The library accepts more: control characters, leading zeros, broken UTF-8, and U+0000, which cuts
 // a string short. Nothing past this point has to think about that.
-#include "protocol/json.h"
+#include "protocol/json_lists.h"
 
 #include "protocol/utf8.h"
 
@@ -13,8 +13,11 @@
 
 struct scan {
     const char *at, *end, *start;
-    size_t depth, values;
+    size_t depth, values, numbers, arrays; // of values, those that are one
+    const char *key;                       // of the value that comes next, NULL: it has none
+    size_t key_length;
     const struct glint_json_limits *limits;
+    struct glint_json_lists *lists; // NULL: not wanted
     struct glint_error *err;
 };
 
@@ -82,6 +85,7 @@ static bool scan_number(struct scan *s)
     }
     if ((size_t)(s->at - first) > MAX_NUMBER)
         return refuse(s, GLINT_E_TOO_LARGE, "a number of more than 63 characters");
+    s->numbers++;
     return true;
 }
 
@@ -161,6 +165,8 @@ static bool scan_key(struct scan *s)
         return false;
     if ((size_t)(s->at - first) > GLINT_MAX_NAME)
         return refuse(s, GLINT_E_TOO_LARGE, "a key of more than 4096 bytes");
+    s->key = first + 1;
+    s->key_length = (size_t)(s->at - first) - 2;
     skip_space(s);
     return accept(s, ':') || syntax(s, "a colon is expected");
 }
@@ -174,6 +180,7 @@ static bool scan_items(struct scan *s, char close, bool keyed)
         return true;
     do {
         skip_space(s);
+        s->key = NULL;
         if ((keyed && !scan_key(s)) || !scan_value(s))
             return false;
         skip_space(s);
@@ -192,6 +199,32 @@ static bool scan_container(struct scan *s)
     const bool fine = scan_items(s, keyed ? '}' : ']', keyed);
     s->depth--;
     return fine;
+}
+
+// Whether what comes next is an array under one of the keys of lists, as they are written.
+static bool listed(const struct scan *s)
+{
+    const char *const *key = s->limits->lists;
+    if (!s->lists || !key || !s->key || *s->at != '[')
+        return false;
+    while (*key && (strlen(*key) != s->key_length || memcmp(*key, s->key, s->key_length) != 0))
+        key++;
+    return *key != NULL;
+}
+
+static bool scan_array(struct scan *s)
+{
+    struct glint_json_list list = {.begin = (size_t)(s->at - s->start), .array = s->arrays++};
+    const size_t values = s->values, numbers = s->numbers;
+    const bool wanted = listed(s);
+    if (!scan_container(s))
+        return false;
+    list.end = (size_t)(s->at - s->start);
+    list.numbers = s->numbers - numbers;
+    if (!wanted || !list.numbers || list.numbers != s->values - values)
+        return true;
+    return glint_json_lists_add(s->lists, &list) ||
+           refuse(s, GLINT_E_NOMEM, "no memory for an array");
 }
 
 static bool scan_word(struct scan *s)
@@ -213,22 +246,29 @@ static bool scan_value(struct scan *s)
     if (++s->values > s->limits->values)
         return refuse(s, GLINT_E_TOO_LARGE, "more values than the limit");
     const int c = peek(s);
-    if (c == '{' || c == '[')
+    if (c == '[')
+        return scan_array(s);
+    if (c == '{')
         return scan_container(s);
     if (c == '"')
         return scan_string(s);
     return c == '-' || (c >= '0' && c <= '9') ? scan_number(s) : scan_word(s);
 }
 
-glint_status glint_json_check(const char *text, size_t length,
-                              const struct glint_json_limits *limits, struct glint_error *err)
+glint_status glint_json_find_lists(const char *text, size_t length,
+                                   const struct glint_json_limits *limits,
+                                   struct glint_json_lists *lists, struct glint_error *err)
 {
     if (length > limits->bytes)
         return glint_fail(err, GLINT_E_TOO_LARGE, "", "%zu bytes of JSON; the limit is %zu", length,
                           limits->bytes);
     struct glint_error local = {0}; // so that the code is known even without `err`
-    struct scan s = {
-        .at = text, .start = text, .end = text + length, .limits = limits, .err = &local};
+    struct scan s = {.at = text,
+                     .start = text,
+                     .end = text + length,
+                     .limits = limits,
+                     .lists = lists,
+                     .err = &local};
     if (scan_value(&s)) {
         skip_space(&s);
         if (s.at < s.end)
@@ -239,4 +279,10 @@ glint_status glint_json_check(const char *text, size_t length,
         glint_fail(err, status, "", "%s", glint_error_text(&local));
     glint_error_finish(&local);
     return status;
+}
+
+glint_status glint_json_check(const char *text, size_t length,
+                              const struct glint_json_limits *limits, struct glint_error *err)
+{
+    return glint_json_find_lists(text, length, limits, NULL, err);
 }

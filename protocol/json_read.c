@@ -1,5 +1,5 @@
 // json_read.c - typed values out of a tree, each with its range.
-#include "protocol/json.h"
+#include "protocol/json_lists.h"
 #include "protocol/nearest.h"
 
 #include <math.h>
@@ -21,6 +21,7 @@ static const char *kind(const cJSON *value)
     case cJSON_String:
         return "a string";
     case cJSON_Array:
+    case cJSON_Raw:
         return "an array";
     default:
         return "an object";
@@ -204,6 +205,10 @@ bool glint_json_length(const struct glint_json *at, size_t *out)
     *out = 0;
     if (!at->value)
         return true;
+    if (cJSON_IsRaw(at->value)) {
+        *out = (size_t)at->value->valuedouble;
+        return true;
+    }
     if (!cJSON_IsArray(at->value))
         return wrong_kind(at, "an array");
     for (const cJSON *child = at->value->child; child; child = child->next)
@@ -238,8 +243,9 @@ bool glint_json_all_floats(const struct glint_json *at, float low, float high, f
 {
     bool fine = true;
     size_t i = 0;
-    for (const cJSON *child = at->value->child; child && !enough(at); child = child->next, i++) {
-        const struct glint_json item = glint_json_item(at, child, i);
+    struct glint_json_walk walk = glint_json_walk(at->value);
+    for (const cJSON *c; !enough(at) && (c = glint_json_next(&walk)); i++) {
+        const struct glint_json item = glint_json_item(at, c, i);
         fine &= glint_json_float(&item, low, high, &out[i]);
     }
     return fine;
@@ -255,8 +261,9 @@ bool glint_json_all_uints(const struct glint_json *at, uint32_t low, uint32_t hi
 {
     bool fine = true;
     size_t i = 0;
-    for (const cJSON *child = at->value->child; child && !enough(at); child = child->next, i++) {
-        const struct glint_json item = glint_json_item(at, child, i);
+    struct glint_json_walk walk = glint_json_walk(at->value);
+    for (const cJSON *c; !enough(at) && (c = glint_json_next(&walk)); i++) {
+        const struct glint_json item = glint_json_item(at, c, i);
         fine &= glint_json_uint(&item, low, high, &out[i]);
     }
     return fine;

@@ -58,6 +58,8 @@ libglint_a_SOURCES = \
 	protocol/json.c \
 	protocol/json.h \
 	protocol/json_check.c \
+	protocol/json_lists.c \
+	protocol/json_lists.h \
 	protocol/json_read.c \
 	protocol/matte_types.c \
 	protocol/matte_types.h \

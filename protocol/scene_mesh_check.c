@@ -9,20 +9,21 @@
 #define MIN_WEIGHT 1e-6      // of four together
 
 // Largest magnitude as bits: without their sign they order as the floats do, infinities and NaN
-// last, so one maximum finds what is too large and what is no number. Vectorises.
-static uint32_t largest(const float *value, size_t count)
+// last, so one maximum finds what is too large and what is no number.
+static int32_t largest(const float *value, size_t count)
 {
-    uint32_t most = 0;
+    int32_t most = 0;
+#pragma omp simd reduction(max : most)
     for (size_t i = 0; i < count; i++) {
-        uint32_t bits;
+        int32_t bits;
         memcpy(&bits, &value[i], sizeof bits);
-        bits &= 0x7fffffffu;
+        bits &= 0x7fffffff;
         most = bits > most ? bits : most;
     }
     return most;
 }
 
-static float as_float(uint32_t bits)
+static float as_float(int32_t bits)
 {
     float value;
     memcpy(&value, &bits, sizeof value);

@@ -1,4 +1,5 @@
 // scene_mesh_inline.c - a mesh whose arrays are in the JSON.
+#include "protocol/json_lists.h"
 #include "protocol/scene_parts.h"
 
 #include <string.h>
@@ -72,7 +73,8 @@ static bool read_joints(struct glint_scene_reader *r, const struct glint_json *m
         return glint_scene_no_memory(r);
     m->joint = joint;
     bool fine = true;
-    for (const cJSON *c = at.value->child; c; c = c->next, i++) {
+    struct glint_json_walk walk = glint_json_walk(at.value);
+    for (const cJSON *c; (c = glint_json_next(&walk)); i++) {
         const struct glint_json item = glint_json_item(&at, c, i);
         uint32_t index = 0;
         fine &= glint_json_uint(&item, 0, UINT16_MAX, &index);

@@ -9,8 +9,11 @@
 #include <string.h>
 
 // Inline arrays make up most of the values; what is larger belongs into an asset.
+static const char *const lists[] = {"positions", "normals", "uvs",    "tangents",
+                                    "uvs1",      "colors",  "joints", "weights",
+                                    "indices",   "times",   "values", NULL};
 static const struct glint_json_limits limits = {
-    .bytes = (size_t)1 << 30, .depth = 16, .values = (size_t)1 << 23};
+    .bytes = (size_t)1 << 30, .depth = 16, .values = (size_t)1 << 23, .lists = lists};
 
 // How often assets may be walked, and bytes that nobody counts.
 #define MOST_TIMES 4

@@ -88,6 +88,7 @@ UNIT_TESTS = \
 	tests/unit/test_jobs \
 	tests/unit/test_journal \
 	tests/unit/test_json \
+	tests/unit/test_json_lists \
 	tests/unit/test_live \
 	tests/unit/test_sketch \
 	tests/unit/test_light_grid \
