@@ -41,9 +41,8 @@ GK_INLINE gk_f32 gk_transport_weight(const struct gk_transport *t,
     const gk_f32 weight = gk_path_weight(&t->spread, &t->cone, rule, missed);
     return rule->glossy ? weight : delta;
 #else
-    (void)rule;
     (void)missed;
-    return delta;
+    return rule->glossy ? 1.0f : delta; // at alpha 0
 #endif
 }
 

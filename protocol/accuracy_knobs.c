@@ -11,7 +11,8 @@ const struct glint_knob glint_knob_table[] = {
     {.dial = GLINT_DIAL_TRANSPARENCY, .effects = {"alpha blending"}},
     {.dial = GLINT_DIAL_PRIMARY},
     {.dial = GLINT_DIAL_PRECISION},
-    {.dial = GLINT_DIAL_TRAVERSAL},
+    // Robust traversal has the expectation of the watertight one: rays that slip by a vertex have none.
+    {.dial = GLINT_DIAL_TRAVERSAL, .twin = "robust"},
     // Survival by throughput has the expectation of none and ends paths that bring nothing.
     {.dial = GLINT_DIAL_ROULETTE, .twin = "throughput"},
     {.dial = GLINT_DIAL_LIGHTS, .effects = {"light table"}},

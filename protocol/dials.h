@@ -17,7 +17,7 @@ enum glint_dial {
     GLINT_DIAL_PATH_IDS,     // mattes.path_ids: list, previous
     GLINT_DIAL_EVICTION,     // mattes.eviction: exact, drop, direct_first, uss, .., spill
     GLINT_DIAL_PRECISION,    // float64, float32
-    GLINT_DIAL_TRAVERSAL,    // robust, fast
+    GLINT_DIAL_TRAVERSAL,    // watertight, robust, fast
     GLINT_DIAL_ROULETTE,     // none, throughput
     GLINT_DIAL_LIGHTS,       // spatial, power, uniform
     GLINT_DIAL_MICROFACET,   // multiple, single
@@ -27,6 +27,7 @@ enum glint_dial {
 #define GLINT_MAX_SETTINGS 6
 
 // Settings by name, where code asks for one.
+enum { GLINT_TRAVERSAL_WATERTIGHT, GLINT_TRAVERSAL_ROBUST, GLINT_TRAVERSAL_FAST };
 enum { GLINT_PATH_IDS_LIST, GLINT_PATH_IDS_PREVIOUS };
 enum { GLINT_THROUGH_GLOSSY, GLINT_THROUGH_DELTA, GLINT_THROUGH_NONE };
 enum {

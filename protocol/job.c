@@ -115,6 +115,10 @@ const struct glint_field glint_matte_fields[] = {
      .kind = GLINT_FIELD_UINT,
      .offset = offsetof(struct glint_job, matte_depth_bins),
      .high = 10},
+    {.name = "cone_width",
+     .kind = GLINT_FIELD_UINT,
+     .offset = offsetof(struct glint_job, matte_cone_width),
+     .high = GLINT_MAX_SIDE},
     {0},
 };
 

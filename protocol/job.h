@@ -71,14 +71,17 @@ struct glint_job {
     uint32_t outputs;               // glint_output bits; default beauty and the three crypto types
     uint8_t dial[GLINT_DIAL_COUNT]; // setting of each dial, an index into its row of the dial table
     struct glint_job_budget budget;
-    uint32_t pinned;           // settings that were given, bits as in accuracy_front.h
-    uint32_t matte_slots;      // 4..32
-    uint32_t matte_levels;     // 1..16: slots hold twice as many candidates; 0: as many as it takes
-    float matte_alpha;         // 0..16, Eq. 7: how far coverage goes; default 0.1
-    bool matte_clamp;          // Eq. 6 in the place of Eq. 5; default true
-    bool matte_diffuse_cut;    // diffuse surfaces keep all of theirs; default true
-    bool matte_env_id;         // what leaves the scene covers the background; default true
-    bool matte_classes;        // reflection and refraction apart; default false
+    uint32_t pinned;        // settings that were given, bits as in accuracy_front.h
+    uint32_t matte_slots;   // 4..32
+    uint32_t matte_levels;  // 1..16: slots hold twice as many candidates; 0: as many as it takes
+    float matte_alpha;      // 0..16, Eq. 7: how far coverage goes; default 0.1
+    bool matte_clamp;       // Eq. 6 in the place of Eq. 5; default true
+    bool matte_diffuse_cut; // diffuse surfaces keep all of theirs; default true
+    bool matte_env_id;      // what leaves the scene covers the background; default true
+    bool matte_classes;     // reflection and refraction apart; default false
+    uint32_t
+        matte_cone_width; // 1..GLINT_MAX_SIDE: cones are of a frame of so many pixels across, so
+                          // that frames of any size weigh alike; 0: of this one; default 0
     uint32_t matte_depth_bins; // 0..10: types by octave of the way; default 0: one type
     enum glint_filter_kind filter;
     float filter_width;   // pixels, 0.5..16; default blackman_harris 1.5... box 1

@@ -180,10 +180,12 @@ static uint32_t matte_flags(const struct glint_job *job)
            (job->dial[GLINT_DIAL_COVERAGE] != 0 ? GK_MATTES_OPAQUE : 0u);
 }
 
-// The cone of a camera sample is a pixel wide: tan(fov_x/2)/width on either side of it.
+// The cone of a camera sample is a pixel wide: tan(fov_x/2)/width on either side of it. The pixel may be
+// of the same view in a frame of another width.
 static void fill_mattes(const struct glint_view *r, struct gk_frame *f)
 {
-    const float half_pixel = (float)(0.5 * pixel_size(r));
+    const uint32_t width = r->job.width, as = r->job.matte_cone_width;
+    const float half_pixel = (float)(0.5 * pixel_size(r) * (as > 0 ? (double)width / as : 1.0));
     const bool flat = r->camera.projection == GLINT_ORTHOGRAPHIC;
     f->matte_alpha = r->job.matte_alpha;
     f->matte_slope = flat ? 0.0f : half_pixel;

@@ -60,6 +60,18 @@ static uint64_t *film_table(const struct glint_film_tile *at)
     return (uint64_t *)glint_buffer_host(at->tables) + at->tables_offset;
 }
 
+void glint_run_fetch_slots(const struct glint_run *r, const struct glint_film_tile *at,
+                           uint32_t lane)
+{
+    const uint32_t *key = (const uint32_t *)glint_buffer_host(r->wave->columns) +
+                          (size_t)GK_COL_KEY * GLINT_WAVE_STRIDE + lane;
+    const uint32_t slots = r->job->matte_slots;
+    const uint32_t words = gk_matte_words(slots, r->job->matte_policy);
+    const uint64_t *table = film_table(at);
+    for (uint32_t i = 0; i < GK_TILE_PIXELS; i++, table += words)
+        __builtin_prefetch(table + gk_matte_start(key[i], slots), 1);
+}
+
 static char *copy_of(const struct glint_run *r, uint32_t tile_in_block)
 {
     return (char *)glint_buffer_host(r->wave->tables) + tile_in_block * table_bytes(r);

@@ -109,9 +109,11 @@ static bool calls_through(const struct glint_effect_input *in)
     return calls_coverage(in) && in->job->dial[GLINT_DIAL_THROUGH] != GLINT_THROUGH_NONE;
 }
 
+// At alpha 0 every weight is 1, whatever the cone.
 static bool calls_glossy(const struct glint_effect_input *in)
 {
-    return calls_coverage(in) && in->job->dial[GLINT_DIAL_THROUGH] == GLINT_THROUGH_GLOSSY;
+    return calls_coverage(in) && in->job->dial[GLINT_DIAL_THROUGH] == GLINT_THROUGH_GLOSSY &&
+           in->job->matte_alpha > 0.0f;
 }
 
 static bool calls_opaque_full(const struct glint_effect_input *in)
@@ -465,7 +467,7 @@ const struct glint_effect glint_effect_table[] = {
      .called = calls_through,
      .carries = CARRIES(HELD) | CARRIES(WAITS) | CARRIES(CARRIED) | CARRIES(LAST) | CARRIES(WAY)},
     {.name = "mattes through glossy lobes",
-     .cause = "mattes.through glossy, and a Cryptomatte output",
+     .cause = "mattes.through glossy with an alpha above 0, and a Cryptomatte output",
      .define = "GK_GLOSSY_MATTES",
      .source = "Yoshimura et al. 2022, Eq. 2 to 7",
      .dial = GLINT_DIAL_VARIANCE,

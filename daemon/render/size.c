@@ -23,7 +23,7 @@ static const struct glint_camera *camera_of(const struct glint_scene *scene,
 
 enum glint_geometry_kind glint_render_structure(const struct glint_job *job, bool *robust)
 {
-    *robust = job->dial[GLINT_DIAL_TRAVERSAL] == 0;
+    *robust = job->dial[GLINT_DIAL_TRAVERSAL] != GLINT_TRAVERSAL_FAST;
     return job->live ? GLINT_GEOMETRY_PLACED : GLINT_GEOMETRY_FLAT;
 }
 

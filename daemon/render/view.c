@@ -44,6 +44,7 @@ static void fill_wave_job(struct glint_view *v)
     v->wave_job.matte_policy = v->job.dial[GLINT_DIAL_EVICTION];
     v->wave_job.matte_through = glint_plan_has(&v->plan, GLINT_PASS_COVERAGE) &&
                                 v->job.dial[GLINT_DIAL_THROUGH] != GLINT_THROUGH_NONE;
+    v->wave_job.watertight = v->job.dial[GLINT_DIAL_TRAVERSAL] == GLINT_TRAVERSAL_WATERTIGHT;
     v->wave_job.matte_shared = v->plan.on & glint_effect_bit(GLINT_EFFECT_SHARED_TABLES);
     v->wave_job.matte_rows = v->wave_job.matte_through ? glint_matte_rows(&v->job) : 0;
     v->wave_job.seed = v->job.seed;

@@ -155,6 +155,8 @@ static glint_status trace_shadows(struct glint_run *r, uint32_t n)
         rays += distance[i] > 0.0f;
     r->wave->stats.shadow_rays += rays;
     glint_geometry_shadow_wave(r->job->geometry, columns, STRIDE, n);
+    if (r->job->watertight)
+        glint_geometry_close_shadows(r->job->geometry, columns, STRIDE, n);
     glint_run_charge(r, GLINT_PASS_SHADOW);
     const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(n)};
     const glint_status st = glint_run_launch(r, "add_unoccluded", n, args, 3);
@@ -205,6 +207,8 @@ static glint_status trace_paths(struct glint_run *r)
         if (interrupted(r))
             return GLINT_E_BUSY;
         glint_geometry_trace_wave(r->job->geometry, columns, STRIDE, n);
+        if (r->job->watertight)
+            glint_geometry_close_wave(r->job->geometry, columns, STRIDE, n);
         glint_run_charge(r, GLINT_PASS_TRACE);
         st = shade(r, n);
         if (!st && r->holding > 0)
@@ -279,8 +283,11 @@ static glint_status accumulate_tile(struct glint_run *r, const struct glint_film
                                     uint32_t tile_in_block)
 {
     const uint32_t first = tile_in_block * GK_TILE_PIXELS;
+    const bool covered = glint_plan_has(r->job->plan, GLINT_PASS_COVERAGE);
+    if (covered)
+        glint_run_fetch_slots(r, at, first);
     glint_status st = accumulate_samples(r, at, first);
-    if (!st && glint_plan_has(r->job->plan, GLINT_PASS_COVERAGE)) {
+    if (!st && covered) {
         st = glint_run_deposit_pixels(r, "deposit_coverage", at, GK_TILE_PIXELS, first);
         glint_run_charge(r, GLINT_PASS_COVERAGE);
     }

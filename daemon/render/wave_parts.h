@@ -73,4 +73,9 @@ glint_status glint_run_deposit_pixels(struct glint_run *run, const char *kernel,
                                       const struct glint_film_tile *at, uint32_t n, uint32_t lane);
 glint_status glint_run_deposit_paths(struct glint_run *run, glint_buffer *tables, uint32_t n);
 
+// Asks for the slots at which the pixels of a tile, whose first lane is `lane`, will look first: they are
+// all over a table that no cache holds.
+void glint_run_fetch_slots(const struct glint_run *run, const struct glint_film_tile *at,
+                           uint32_t lane);
+
 #endif

@@ -49,7 +49,7 @@ enum glint_geometry_quality {
 
 // What a structure is built for.
 struct glint_geometry_build {
-    bool robust; // watertight traversal, 1.2x the time
+    bool robust; // nothing slips between triangles at an edge, 1.2x the time
     enum glint_geometry_quality quality;
 };
 
@@ -99,5 +99,11 @@ void *glint_geometry_native(const glint_geometry *g);
 // rays occlusion (distance becomes -inf). Rows with a negative distance are left alone.
 void glint_geometry_trace_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n);
 void glint_geometry_shadow_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n);
+
+// After them, of a robust world: of the rays that met nothing, hits on those that slipped between the
+// triangles of a vertex.
+void glint_geometry_close_wave(const glint_geometry *g, float *wave, uint32_t stride, uint32_t n);
+void glint_geometry_close_shadows(const glint_geometry *g, float *wave, uint32_t stride,
+                                  uint32_t n);
 
 #endif

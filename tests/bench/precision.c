@@ -3,6 +3,7 @@
 //
 //   float64      accuracy.precision float64 over float32: sums of paths and of the film
 //   robust       accuracy.traversal robust over fast
+//   watertight   accuracy.traversal watertight over fast
 //   float        a frame with colour as float over one with half, encoded; bytes likewise
 //   fixed        deposits of coverage in fixed point over the same in double precision
 #include "base/clock.h"
@@ -159,6 +160,7 @@ int main(int argc, char **argv)
            PAIRS);
     compare_dial(&b, "float64", "\"precision\":\"float32\"", "\"precision\":\"float64\"");
     compare_dial(&b, "robust", "\"traversal\":\"fast\"", "\"traversal\":\"robust\"");
+    compare_dial(&b, "watertight", "\"traversal\":\"fast\"", "\"traversal\":\"watertight\"");
     compare_output(&b);
     compare(&b, "fixed", deposit_double, deposit_fixed);
     puts("}");

@@ -365,7 +365,8 @@ static void parsing_what_was_written_gives_an_equal_job(void **state)
         "\\n','camera':'Cam','resolution':[33,7],'region':[1,2,3,4],"
         "'frame':1001,'outputs':['variance','depth'],'accuracy':{'preset':'reference','gi':'none'},"
         "'mattes':{'eviction':'direct_first','slots':32,'levels':16,'through':'glossy','alpha':0.3,"
-        "'clamp':false,'diffuse_cut':false,'env_id':false,'classes':true,'variance':'eq3',"
+        "'clamp':false,'diffuse_cut':false,'env_id':false,'classes':true,'cone_width':1920,"
+        "'variance':'eq3',"
         "'coverage':'opaque_full'},'filter':{'kind':'box','width':0.7},"
         "'estimate':'batches','max_bounces':0,'seed':4294967295,'stop':{'samples':3,'seconds':0.1,'"
         "error':1e-3},'"
@@ -433,7 +434,8 @@ static void defaults_that_are_spelled_out_give_an_equal_job(void **state)
     add_dials(want, sizeof want, "accuracy");
     add(want, sizeof want,
         "},\"mattes\":{\"slots\":12,\"levels\":6,\"alpha\":0.1,\"clamp\":true,"
-        "\"diffuse_cut\":true,\"env_id\":true,\"classes\":false,\"depth_bins\":0");
+        "\"diffuse_cut\":true,\"env_id\":true,\"classes\":false,\"depth_bins\":0,"
+        "\"cone_width\":0");
     add_dials(want, sizeof want, "mattes");
     add(want, sizeof want,
         "},\"filter\":{\"kind\":\"blackman_harris\",\"width\":1.5},\"stop\":{\"samples\":256}}");
