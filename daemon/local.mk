@@ -42,6 +42,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/base/vault.h \
 	daemon/device/ahead.c \
 	daemon/device/ahead.h \
+	daemon/device/bitcode.c \
+	daemon/device/bitcode.h \
 	daemon/device/buffer.c \
 	daemon/device/compiler.c \
 	daemon/device/compiler.h \

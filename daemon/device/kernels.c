@@ -1,10 +1,12 @@
 // kernels.c - glint-kernels: compiles the kernels of one variant into PoCL's cache.
 //
-// glint-kernels KEY OPTIONS FOLDER STEPS: started by glintd, several at a time; each takes the kernels that
-// no other has taken yet, which a file of that name in FOLDER says. KEY: the variant as glintd knows
-// it; another release's helper makes nothing that glintd would find, and says so. STEPS: of nice.
+// glint-kernels KEY OPTIONS FOLDER STEPS: started by glintd, several at a time; each takes the
+// kernels that no other has taken yet, which a file of that name in FOLDER says, and one makes the
+// link by which the program is known by its bitcode. KEY: the variant as glintd knows it; another
+// release's helper makes nothing that glintd would find, and says so. STEPS: of nice.
 #include "base/thread.h"
 #include "device/ahead.h"
+#include "device/bitcode.h"
 #include "device/internal.h"
 #include "device/program.h"
 
@@ -97,6 +99,14 @@ static glint_status compile_all(glint_devices *devices, glint_program *program, 
     return st;
 }
 
+// Who is the first to find nothing to compile. Without the link a start takes longer, no more.
+static void link_bitcode(glint_devices *devices, const char *options, const char *folder)
+{
+    const char *cache = getenv("POCL_CACHE_DIR");
+    if (cache && take(folder, ".bitcode"))
+        glint_bitcode_link(devices, options, cache);
+}
+
 static int run(const char *key, const char *options, const char *folder, struct glint_error *err)
 {
     glint_devices *devices;
@@ -109,8 +119,10 @@ static int run(const char *key, const char *options, const char *folder, struct 
         code = GLINT_AHEAD_REFUSED;
     else if (strcmp(glint_program_key(program), key))
         glint_fail(err, GLINT_E_VERSION, "", "the helper is of another release than the daemon");
-    else if (!compile_all(devices, program, folder, err))
+    else if (!compile_all(devices, program, folder, err)) {
+        link_bitcode(devices, options, folder);
         code = EXIT_SUCCESS;
+    }
     glint_program_release(&program);
     glint_devices_destroy(&devices);
     return code;

@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <ftw.h>
+#include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -79,6 +80,27 @@ static bool holds(FILE *in, const char *cache)
         files++;
     }
     return more == 0 && files > 0;
+}
+
+static bool is_bitcode(const char *path)
+{
+    static const char name[] = "/program.bc";
+    const size_t length = strlen(path);
+    return length > sizeof name && !strcmp(path + length - (sizeof name - 1), name);
+}
+
+bool glint_listing_bitcode(const char *cache, const char *key, char *path, size_t capacity)
+{
+    char hex[65], inside[MAX_PATH];
+    int found = 0;
+    FILE *in = open_listing(cache, key, "re");
+    bool more = in && skip_options(in);
+    while (found < 2 && more && (more = next_file(in, hex, inside) > 0))
+        if (is_bitcode(inside) && ++found == 1)
+            snprintf(path, capacity, "%s/%s", cache, inside);
+    if (in)
+        fclose(in);
+    return found == 2;
 }
 
 static void remove_listed(FILE *in, const char *cache)
@@ -211,15 +233,50 @@ static int take_one(const char *path, const struct stat *s, int type, struct FTW
     return 0;
 }
 
+// "XX/YYY" of the link to a program's folder.
+static bool find_link(const char *part, char inside[MAX_PATH])
+{
+    char pattern[MAX_PATH * 2];
+    glob_t all = {0};
+    struct stat s;
+    inside[0] = 0;
+    snprintf(pattern, sizeof pattern, "%s/*/*", part);
+    for (size_t i = glob(pattern, GLOB_NOESCAPE, NULL, &all) ? 0 : all.gl_pathc; i--;)
+        if (!lstat(all.gl_pathv[i], &s) && S_ISLNK(s.st_mode))
+            snprintf(inside, MAX_PATH, "%s", all.gl_pathv[i] + strlen(part) + 1);
+    globfree(&all);
+    return inside[0] != 0;
+}
+
+// Without it a program is still known by its source.
+static void take_link(struct taking *t, const char *part, const char *inside)
+{
+    char from[MAX_PATH * 2], to[MAX_PATH * 2], file[MAX_PATH * 2 + 16], hex[65];
+    snprintf(from, sizeof from, "%s/%s", part, inside);
+    snprintf(to, sizeof to, "%s/%s", t->cache, inside);
+    snprintf(file, sizeof file, "%s/program.bc", to);
+    if (make_folders(to) && !rename(from, to) && hash_file(file, hex))
+        fprintf(t->list, "%s %s/program.bc\n", hex, inside);
+}
+
+// The bitcode of two processes is not the same to the byte: that which the link is named for is
+// taken, first.
 static bool take_all(FILE *list, const char *cache, const char *const *made, int count)
 {
     struct taking t = {.cache = cache, .list = list};
+    char link[MAX_PATH] = "";
+    int first = 0;
+    while (first < count - 1 && !find_link(made[first], link))
+        first++;
+    const bool linked = find_link(made[first], link);
     taking = &t;
     for (int i = 0; i < count && !t.failed; i++) {
-        t.from = made[i];
-        t.failed = nftw(made[i], take_one, 16, FTW_PHYS) != 0;
+        t.from = made[(first + i) % count];
+        t.failed = nftw(t.from, take_one, 16, FTW_PHYS) != 0;
     }
     taking = NULL;
+    if (linked && !t.failed)
+        take_link(&t, made[first], link);
     for (int i = 0; i < t.files; i++)
         free(t.file[i]);
     return !t.failed && t.files > 0;

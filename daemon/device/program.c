@@ -3,9 +3,12 @@
 
 #include "base/log.h"
 #include "device/ahead.h"
+#include "device/bitcode.h"
 #include "device/internal.h"
+#include "device/listing.h"
 
 #include <assert.h>
+#include <limits.h>
 #include <openssl/evp.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,21 +52,52 @@ static void fail_with_log(struct glint_error *err, cl_program program, cl_device
     free(log);
 }
 
-static glint_status compile(glint_program *p, glint_devices *devices, const char *source,
-                            const char *options, struct glint_error *err)
+char *glint_program_options(const char *options)
+{
+    char *all = NULL;
+    return asprintf(&all, COMMON_OPTIONS " %s", options) < 0 ? NULL : all;
+}
+
+static glint_status compile_source(glint_program *p, glint_devices *devices, const char *source,
+                                   const char *options, struct glint_error *err)
 {
     cl_int code;
     p->object = clCreateProgramWithSource(devices->context, 1, &source, NULL, &code);
     if (code)
         return glint_cl_fail(err, "clCreateProgramWithSource", code);
-    char *all = NULL;
-    if (asprintf(&all, COMMON_OPTIONS " %s", options) < 0)
-        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for build options");
-    code = clBuildProgram(p->object, devices->slots, devices->device, all, NULL, NULL);
+    code = clBuildProgram(p->object, devices->slots, devices->device, options, NULL, NULL);
     if (code)
-        fail_with_log(err, p->object, devices->device[0], all);
-    free(all);
+        fail_with_log(err, p->object, devices->device[0], options);
     return code ? GLINT_E_DEVICE : GLINT_OK;
+}
+
+// Of what was made of the source ahead. False: nothing is there, or nothing of use.
+static bool recall(glint_program *p, glint_devices *devices, const char *options)
+{
+    char path[PATH_MAX];
+    if (!devices->ahead ||
+        !glint_listing_bitcode(glint_ahead_cache(devices->ahead), p->key, path, sizeof path))
+        return false;
+    p->object = glint_bitcode_program(devices, devices->slots, path);
+    if (p->object &&
+        !clBuildProgram(p->object, devices->slots, devices->device, options, NULL, NULL))
+        return true;
+    if (p->object)
+        clReleaseProgram(p->object);
+    p->object = NULL;
+    return false;
+}
+
+static glint_status compile(glint_program *p, glint_devices *devices, const char *source,
+                            const char *options, struct glint_error *err)
+{
+    char *all = glint_program_options(options);
+    if (!all)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for build options");
+    const glint_status st =
+        recall(p, devices, all) ? GLINT_OK : compile_source(p, devices, source, all, err);
+    free(all);
+    return st;
 }
 
 static void destroy(glint_program *p)

@@ -19,6 +19,9 @@ glint_status glint_program_build(glint_program **out, glint_devices *devices, co
 bool glint_program_key_of(char key[65], const glint_devices *devices, const char *source,
                           const char *options);
 
+// What it is built with, malloc'd; NULL without memory.
+char *glint_program_options(const char *options);
+
 // SHA-256 in hex of source, options, device and driver; lives as long as the program.
 const char *glint_program_key(const glint_program *program);
 

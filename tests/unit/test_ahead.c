@@ -5,9 +5,11 @@
 #include "device/device.h"
 #include "device/listing.h"
 #include "device/program.h"
+#include "kernels/gk_wave.h"
 
 #include <fcntl.h>
 #include <ftw.h>
+#include <math.h>
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -301,7 +303,7 @@ static void idle_work_ends_with_the_daemon(void **state)
 
 // ---- the real one
 
-static int kernels;
+static int kernels, programs;
 
 static int count_kernel(const char *path, const struct stat *s, int type, struct FTW *at)
 {
@@ -309,48 +311,79 @@ static int count_kernel(const char *path, const struct stat *s, int type, struct
     (void)at;
     const size_t length = strlen(path);
     kernels += type == FTW_F && length > 3 && !strcmp(path + length - 3, ".so");
+    programs += type == FTW_F && length > 3 && !strcmp(path + length - 3, ".bc");
     return 0;
 }
 
 static int count_kernels(void)
 {
-    kernels = 0;
+    kernels = programs = 0;
     nftw(cache, count_kernel, 16, FTW_PHYS);
     return kernels;
 }
 
-static void launch_over_nothing(glint_devices *devices, glint_program *program)
+#define RAYS 64u
+
+// Light that unoccluded shadow rays of a wave bring, some of it denormal, which kernels take for 0.
+static void add_light(glint_devices *devices, glint_program *program, float light[3 * RAYS])
 {
-    const uint32_t zero = 0;
+    const uint32_t stride = RAYS, n = RAYS;
+    const size_t bytes = (size_t)GK_COLUMNS * RAYS * 4;
     glint_buffer *wave;
-    assert_int_equal(glint_buffer_create(&wave, devices, 65536, NULL), GLINT_OK);
+    assert_int_equal(glint_buffer_create(&wave, devices, bytes, NULL), GLINT_OK);
+    float *column = glint_buffer_host(wave);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        memcpy(column + GK_COL_SLANE * stride + i, &i, 4);
+        column[GK_COL_ST * stride + i] = i % 5 ? 1.0f : -INFINITY;
+        for (uint32_t k = 0; k < 3; k++) {
+            column[(GK_COL_SR + k) * stride + i] =
+                ldexpf(1.0f + 0.1f * (float)(i + k), -(int)(3 * i));
+            column[(GK_COL_LR + k) * stride + i] = ldexpf(0.7f, -(int)(3 * i) - 3);
+        }
+    }
     const struct glint_arg args[] = {
-        {.buffer = wave}, {.value = &zero, .size = 4}, {.value = &zero, .size = 4}};
-    assert_int_equal(glint_launch(glint_devices_spare(devices), program, "add_unoccluded",
-                                  GLINT_AHEAD_ITEMS, GLINT_AHEAD_GROUP, args, 3, NULL),
+        {.buffer = wave}, {.value = &stride, .size = 4}, {.value = &n, .size = 4}};
+    assert_int_equal(glint_launch(glint_devices_spare(devices), program, "add_unoccluded", RAYS,
+                                  GLINT_AHEAD_GROUP, args, 3, NULL),
                      GLINT_OK);
+    memcpy(light, column + GK_COL_LR * stride, 3 * RAYS * sizeof *light);
     glint_buffer_destroy(&wave);
 }
 
-static void nothing_is_left_to_compile_at_the_launch(void **state)
+static glint_program *open_program(glint_devices **devices, const char *kernels_helper)
+{
+    struct glint_error err = {0};
+    glint_program *program = NULL;
+    setenv("GLINT_KERNELS", kernels_helper, 1);
+    if (glint_devices_create(devices, 1, cache, &err) ||
+        glint_program_get(&program, *devices, "-DGK_LIGHTS", &err))
+        fail_msg("%s", glint_error_text(&err));
+    return program;
+}
+
+static void what_is_compiled_ahead_is_what_a_launch_would_compile(void **state)
 {
     (void)state;
-    char built[4096];
+    char built[4096], path[512];
     const char *build = getenv("GLINT_BUILD");
     snprintf(built, sizeof built, "%s/glint-kernels", build ? build : ".");
     if (access(built, X_OK))
         skip();
-    setenv("GLINT_KERNELS", built, 1);
-    struct glint_error err = {0};
+    float light[2][3 * RAYS];
     glint_devices *devices;
-    glint_program *program = NULL;
-    if (glint_devices_create(&devices, 1, cache, &err) ||
-        glint_program_get(&program, devices, "-DGK_LIGHTS", &err))
-        fail_msg("%s", glint_error_text(&err));
+    glint_program *program = open_program(&devices, built);
     const int made = count_kernels();
     assert_true(made >= 5);
-    launch_over_nothing(devices, program);
-    assert_int_equal(count_kernels(), made);
+    assert_true(glint_listing_bitcode(getenv("POCL_CACHE_DIR"), glint_program_key(program), path,
+                                      sizeof path));
+    add_light(devices, program, light[0]);
+    assert_int_equal(count_kernels(), made); // nothing is left to compile
+    assert_int_equal(programs, 1);           // nor read again: one folder, known by two names
+    glint_program_release(&program);
+    glint_devices_destroy(&devices);
+    program = open_program(&devices, "/nowhere");
+    add_light(devices, program, light[1]);
+    assert_memory_equal(light[0], light[1], sizeof light[0]);
     glint_program_release(&program);
     glint_devices_destroy(&devices);
 }
@@ -386,7 +419,7 @@ int main(void)
         FRESH(threads_that_want_one_variant_compile_it_once),
         FRESH(idle_work_is_given_up_for_a_job),
         FRESH(idle_work_ends_with_the_daemon),
-        FRESH(nothing_is_left_to_compile_at_the_launch),
+        FRESH(what_is_compiled_ahead_is_what_a_launch_would_compile),
         cmocka_unit_test(another_compiler_has_another_cache),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
