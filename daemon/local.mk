@@ -287,6 +287,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/scene/instances.c \
 	daemon/scene/internal.h \
 	daemon/scene/keep.c \
+	daemon/scene/keep_ahead.c \
+	daemon/scene/keep_bring.c \
 	daemon/scene/keep.h \
 	daemon/scene/keep_collect.c \
 	daemon/scene/keep_parts.h \

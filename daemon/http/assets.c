@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 
 static bool check_name(const char *name, struct glint_error *err)
 {
@@ -52,19 +51,14 @@ void glint_http_assets_get(struct glint_request *r)
     glint_asset_ref_release(&ref);
 }
 
-static void unmap(void *base, size_t bytes)
-{
-    munmap(base, bytes);
-}
-
-// The body becomes the asset where it lies.
-static glint_status keep(struct glint_request *r, const struct glint_asset *asset, bool *created,
+// The body becomes the asset.
+static glint_status keep(struct glint_request *r, struct glint_asset *asset, bool *created,
                          struct glint_error *err)
 {
-    glint_memory_ref *memory = glint_memory_ref_create(r->body.bytes, r->body.length, unmap);
+    r->body.bytes = NULL;
+    glint_memory_ref *memory = glint_memory_ref_of_mapping(&asset->bytes, asset->size);
     if (!memory)
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for an asset");
-    r->body.bytes = NULL;
     const glint_status st = glint_store_put_asset(r->http->store, asset, memory, created, err);
     glint_memory_ref_release(&memory);
     return st;

@@ -28,8 +28,7 @@ static glint_status fault(const struct glint_checkpoint_file *f, const char *wha
     return glint_storage_fault(err, f->folder, what, errno);
 }
 
-// What the render said when it could not write does not tell a full disk from others: errno of the
-// call that found out is gone, so the folder is asked.
+// What the render said when it could not write does not tell a full disk from others; errno does.
 static glint_status write_film(int fd, const struct glint_checkpoint_file *f, glint_render *render,
                                struct glint_error *err)
 {
@@ -38,7 +37,8 @@ static glint_status write_film(int fd, const struct glint_checkpoint_file *f, gl
     const glint_status st = glint_render_film(render, fd, &why);
     const int code = errno;
     if (st == GLINT_E_IO)
-        glint_storage_fault(err, f->folder, glint_error_text(&why), code ? code : EIO);
+        glint_storage_fault(err, f->folder, code ? "a film" : glint_error_text(&why),
+                            code ? code : EIO);
     else if (st)
         glint_fail(err, st, "", "%s", glint_error_text(&why));
     glint_error_finish(&why);

@@ -366,11 +366,14 @@ static void prepare_next(glint_scheduler *s)
     glint_crew_prepare(s->crew, e, gone);
 }
 
+// What it needs all cores for begins once a part of the sketch has been traced: somebody waits for
+// that.
 static void finish_next(glint_scheduler *s)
 {
     for (size_t i = 0; i < s->lives && !s->finishing; i++) {
         struct glint_entry *e = s->live[i];
-        if (!e->render || !e->sketch || e->next_view || e->end != GLINT_JOB_QUEUED)
+        if (!e->render || !e->sketch || e->next_view || e->end != GLINT_JOB_QUEUED ||
+            e->fresh == FRESH_SLICES)
             continue;
         s->finishing = true;
         glint_crew_finish(s->crew, e);

@@ -6,6 +6,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 #define BUCKETS 16384u // power of two
 #define NAME_DIGITS 64u
@@ -32,7 +33,7 @@ struct glint_assets {
     pthread_mutex_t mutex; // guards everything below and every asset's counts
     glint_asset_ref *bucket[BUCKETS];
     uint64_t count, bytes;
-    uint64_t put_count, put_bytes;
+    uint64_t put_count, put_bytes, put_large;
 
     void (*gone)(void *user, const char *sha256);
     void *user;
@@ -58,6 +59,39 @@ glint_memory_ref *glint_memory_ref_create(void *base, size_t bytes,
         return NULL;
     *m = (glint_memory_ref){.base = base, .bytes = bytes, .release = release};
     atomic_init(&m->references, 1);
+    return m;
+}
+
+static void unmap(void *base, size_t bytes)
+{
+    munmap(base, bytes);
+}
+
+static void free_block(void *base, size_t bytes)
+{
+    (void)bytes;
+    free(base);
+}
+
+glint_memory_ref *glint_memory_ref_of_block(void *block, size_t bytes)
+{
+    return glint_memory_ref_create(block, bytes, free_block);
+}
+
+glint_memory_ref *glint_memory_ref_of_mapping(const uint8_t **base, size_t bytes)
+{
+    void *mapping = (void *)*base, *block = mapping;
+    if (bytes < GLINT_LARGE_ASSET_BYTES) {
+        block = malloc(bytes);
+        if (block)
+            memcpy(block, mapping, bytes);
+        munmap(mapping, bytes);
+    }
+    void (*release)(void *, size_t) = block == mapping ? unmap : free_block;
+    glint_memory_ref *m = block ? glint_memory_ref_create(block, bytes, release) : NULL;
+    if (!m && block)
+        release(block, bytes);
+    *base = m ? block : NULL;
     return m;
 }
 
@@ -126,11 +160,22 @@ static void cut(glint_assets *s, glint_asset_ref *ref, glint_asset_ref **gone)
     *gone = ref;
 }
 
+static bool is_large(const struct glint_asset *asset)
+{
+    return asset->size >= GLINT_LARGE_ASSET_BYTES;
+}
+
+static void let_go(glint_assets *s, const struct glint_asset *asset)
+{
+    s->put_count--;
+    s->put_bytes -= asset->size;
+    s->put_large -= is_large(asset);
+}
+
 // The store lets go of an asset that only it refers to.
 static void drop(glint_assets *s, glint_asset_ref *ref, glint_asset_ref **gone)
 {
-    s->put_count--;
-    s->put_bytes -= ref->asset.size;
+    let_go(s, &ref->asset);
     cut(s, ref, gone);
 }
 
@@ -163,22 +208,29 @@ void glint_assets_destroy(glint_assets **assets)
 // ---- room for what clients put
 
 // The held asset that nobody uses and that was looked at longest ago, before `latest`; NULL: none.
-static glint_asset_ref *most_idle(const glint_assets *s, double latest)
+static glint_asset_ref *most_idle(const glint_assets *s, double latest, bool large)
 {
     glint_asset_ref *oldest = NULL;
     for (uint32_t i = 0; i < BUCKETS; i++)
         for (glint_asset_ref *ref = s->bucket[i]; ref; ref = ref->next)
             if (ref->held && ref->references == 1 && ref->used < latest &&
-                (!oldest || ref->used < oldest->used))
+                (!large || is_large(&ref->asset)) && (!oldest || ref->used < oldest->used))
                 oldest = ref;
     return oldest;
 }
 
-static bool make_room(glint_assets *s, uint64_t bytes, double now, glint_asset_ref **gone)
+static bool is_crowded(const glint_assets *s, const struct glint_asset *asset)
 {
-    while (bytes > s->limit_bytes || s->put_bytes > s->limit_bytes - bytes) {
-        glint_asset_ref *idle =
-            bytes > s->limit_bytes ? NULL : most_idle(s, now - GLINT_ASSET_GRACE_SECONDS);
+    return is_large(asset) && s->put_large >= GLINT_MOST_LARGE_ASSETS;
+}
+
+static bool make_room(glint_assets *s, const struct glint_asset *asset, double now,
+                      glint_asset_ref **gone)
+{
+    if (asset->size > s->limit_bytes)
+        return false;
+    while (is_crowded(s, asset) || s->put_bytes > s->limit_bytes - asset->size) {
+        glint_asset_ref *idle = most_idle(s, now - GLINT_ASSET_GRACE_SECONDS, is_crowded(s, asset));
         if (!idle)
             return false;
         drop(s, idle, gone);
@@ -199,15 +251,22 @@ static uint64_t idle_bytes(const glint_assets *s, uint64_t *count)
     return bytes;
 }
 
-static glint_status refuse(const glint_assets *s, uint64_t bytes, struct glint_error *err)
+static glint_status refuse(const glint_assets *s, const struct glint_asset *asset,
+                           struct glint_error *err)
 {
+    if (is_crowded(s, asset))
+        return glint_fail(err, GLINT_E_CAPACITY, "",
+                          "of assets of %zu bytes and more %u are held, as many as there may be; "
+                          "what no scene uses may go %.0f s after it was put or asked for",
+                          GLINT_LARGE_ASSET_BYTES, GLINT_MOST_LARGE_ASSETS,
+                          GLINT_ASSET_GRACE_SECONDS);
     uint64_t count;
     const uint64_t idle = idle_bytes(s, &count);
     return glint_fail(
         err, GLINT_E_CAPACITY, "",
         "%llu bytes do not fit: %llu assets hold %llu of %llu bytes; scenes use all but %llu bytes "
         "of them, which may go %.0f s after they were put or asked for",
-        (unsigned long long)bytes, (unsigned long long)s->put_count,
+        (unsigned long long)asset->size, (unsigned long long)s->put_count,
         (unsigned long long)s->put_bytes, (unsigned long long)s->limit_bytes,
         (unsigned long long)idle, GLINT_ASSET_GRACE_SECONDS);
 }
@@ -234,8 +293,8 @@ static glint_status hold(glint_assets *s, const struct glint_asset *asset, glint
                          glint_asset_ref **gone, struct glint_error *err)
 {
     const double now = glint_now();
-    if (!make_room(s, asset->size, now, gone))
-        return refuse(s, asset->size, err);
+    if (!make_room(s, asset, now, gone))
+        return refuse(s, asset, err);
     glint_asset_ref *ref = find(s, asset->sha256);
     if (!ref)
         ref = insert(s, asset, memory);
@@ -246,6 +305,7 @@ static glint_status hold(glint_assets *s, const struct glint_asset *asset, glint
     ref->used = now;
     s->put_count++;
     s->put_bytes += asset->size;
+    s->put_large += is_large(asset);
     return GLINT_OK;
 }
 
@@ -272,8 +332,7 @@ void glint_assets_unput(glint_assets *s, const char *sha256)
     glint_asset_ref *gone = NULL, *ref = find(s, sha256);
     if (ref && ref->held) {
         ref->held = false;
-        s->put_count--;
-        s->put_bytes -= ref->asset.size;
+        let_go(s, &ref->asset);
         if (--ref->references == 0)
             cut(s, ref, &gone);
     }

@@ -3,7 +3,8 @@
 // An asset lives while somebody refers to it: revisions do. What a client put here by itself is
 // held by the store too, because the scene that names it comes later; the limit is on that. When
 // the room is needed, those of them that nobody else refers to go, the least recently put or asked
-// for first, but none that was within the last GLINT_ASSET_GRACE_SECONDS.
+// for first, but none that was within the last GLINT_ASSET_GRACE_SECONDS. A process may have 65,530
+// mappings: a small asset lies in the heap, of large ones only so many are held for clients.
 //
 // Imports add their assets where they lie, in the mapping of the child's answer: the memory is
 // counted, and goes with the last asset in it.
@@ -15,6 +16,8 @@
 #include "protocol/scene.h"
 
 #define GLINT_ASSET_GRACE_SECONDS 300.0
+#define GLINT_LARGE_ASSET_BYTES ((size_t)128 << 10) // from here on it stays in its own mapping
+#define GLINT_MOST_LARGE_ASSETS 32768u              // held for clients
 
 typedef struct glint_assets glint_assets;         // the store
 typedef struct glint_asset_ref glint_asset_ref;   // one asset of it, counted
@@ -30,6 +33,11 @@ void glint_assets_destroy(glint_assets **assets); // no reference may be left
 // memory: nothing was taken.
 glint_memory_ref *glint_memory_ref_create(void *base, size_t bytes,
                                           void (*release)(void *base, size_t bytes));
+glint_memory_ref *glint_memory_ref_of_block(void *block, size_t bytes); // the same of malloc's
+
+// The same of a mapping, *base with `bytes` > 0, which it takes over: what is small moves into the
+// heap, and *base with it. NULL without memory, the mapping gone.
+glint_memory_ref *glint_memory_ref_of_mapping(const uint8_t **base, size_t bytes);
 glint_memory_ref *glint_memory_ref_retain(glint_memory_ref *memory);
 void glint_memory_ref_release(glint_memory_ref **memory);
 
@@ -42,7 +50,7 @@ glint_status glint_assets_add(glint_assets *assets, const struct glint_asset *as
                               struct glint_error *err);
 
 // The same for what a client sent, which is then held for it; *created: it was not held before.
-//   GLINT_E_CAPACITY  the limit is reached, with figures
+//   GLINT_E_CAPACITY  a limit is reached, with figures
 glint_status glint_assets_put(glint_assets *assets, const struct glint_asset *asset,
                               glint_memory_ref *memory, bool *created, struct glint_error *err);
 

@@ -12,12 +12,12 @@ static void widen(const float *v, double out[3])
         out[i] = v[i];
 }
 
-static double bend(const double p[2][3], const double n[2][3])
+static double bend(const double p[3], const double q[3], const double n[3], const double m[3])
 {
     double along = 0.0, square = 0.0;
     for (int i = 0; i < 3; i++) {
-        const double d = p[1][i] - p[0][i];
-        along += (n[1][i] - n[0][i]) * d;
+        const double d = q[i] - p[i];
+        along += (m[i] - n[i]) * d;
         square += d * d;
     }
     return along / square;
@@ -25,18 +25,15 @@ static double bend(const double p[2][3], const double n[2][3])
 
 float glint_curvature(const float *position, const float *normal, const uint32_t vertex[3])
 {
-    double sum = 0.0;
-    for (int e = 0; e < 3; e++) {
-        double p[2][3], n[2][3];
-        for (int end = 0; end < 2; end++) {
-            const size_t v = vertex[(e + end) % 3];
-            widen(position + 3 * v, p[end]);
-            widen(normal + 3 * v, n[end]);
-            if (!glint_normalise3(n[end]))
-                return 0.0f;
-        }
-        sum += bend(p, n) / 3.0;
+    double p[3][3], n[3][3], sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        widen(position + 3 * (size_t)vertex[i], p[i]);
+        widen(normal + 3 * (size_t)vertex[i], n[i]);
+        if (!glint_normalise3(n[i]))
+            return 0.0f;
     }
+    for (int e = 0, next = 1; e < 3; e++, next = (next + 1) % 3)
+        sum += bend(p[e], p[next], n[e], n[next]) / 3.0;
     return isfinite((float)sum) ? (float)sum : 0.0f;
 }
 

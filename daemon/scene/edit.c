@@ -66,12 +66,6 @@ static glint_status apply(const struct glint_edit *e, const char *text, size_t l
 
 // ---- what an import would give
 
-static void free_block(void *base, size_t bytes)
-{
-    (void)bytes;
-    free(base);
-}
-
 // A text and what it was read with.
 struct told {
     const char *text;
@@ -108,7 +102,7 @@ static struct glint_import *new_import(const struct glint_import *before, const 
     if (im)
         im->warning = calloc(before->warnings + told->warnings + 1, sizeof *im->warning);
     if (im && im->warning && block)
-        im->memory = glint_memory_ref_create(block, bytes, free_block);
+        im->memory = glint_memory_ref_of_block(block, bytes);
     if (!im || !im->memory) {
         free(block);
         glint_import_destroy(&im);
@@ -191,8 +185,7 @@ static glint_status keep_packed(const struct glint_edit *e, struct glint_asset *
         st = no_memory(err);
     for (size_t i = 0; i < count; i++) {
         void *bytes = (void *)asset[i].bytes;
-        glint_memory_ref *memory =
-            st ? NULL : glint_memory_ref_create(bytes, asset[i].size, free_block);
+        glint_memory_ref *memory = st ? NULL : glint_memory_ref_of_block(bytes, asset[i].size);
         if (!memory) {
             free(bytes);
             st = st ? st : no_memory(err);

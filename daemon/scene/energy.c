@@ -3,13 +3,10 @@
 #include "base/thread.h"
 #include "scene/energy_rows.h"
 
-#include <stdatomic.h>
 #include <stdbool.h>
 #include <string.h>
-#include <unistd.h>
 
 #define STEPS GLINT_ENERGY_STEPS
-#define MOST_HELPERS 7
 
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER; // guards what is below
 static bool made[STEPS];
@@ -25,48 +22,39 @@ struct rows {
     row_fn *fill;
     float *parts;
     float ior;
-    atomic_int next; // relaxed: a row is whose turn it was; the join publishes it
 };
 
-static void *take_rows(void *arg)
+static void fill_row(void *user, size_t y)
 {
-    struct rows *r = arg;
-    for (int y;
-         (y = atomic_fetch_add_explicit(&r->next, 1, memory_order_relaxed)) < GK_ENERGY_SIDE;)
-        r->fill(r->parts, r->ior, y);
-    return NULL;
+    const struct rows *r = user;
+    r->fill(r->parts, r->ior, (int)y);
 }
 
-// Where no thread is to be had the caller does all of it.
 static void fill(row_fn *row, float *parts, float ior)
 {
-    struct rows r = {.fill = row, .parts = parts, .ior = ior};
-    pthread_t helper[MOST_HELPERS];
-    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    int helpers = 0;
-    while (helpers < MOST_HELPERS && helpers + 1 < cores &&
-           !glint_thread_start(&helper[helpers], "energy", take_rows, &r, NULL))
-        helpers++;
-    take_rows(&r);
-    while (helpers > 0)
-        pthread_join(helper[--helpers], NULL);
+    glint_thread_each("energy", GK_ENERGY_SIDE, fill_row, &(struct rows){row, parts, ior});
 }
 
 // ---- parts
 
-static int usual_step(void)
+// All parts of the usual interface that is taken for this step, or NULL.
+static const float *usual(int step)
 {
     float taken;
-    return glint_energy_step(GLINT_ENERGY_USUAL, &taken);
+    for (int i = 0; i < GLINT_ENERGY_USUALS; i++)
+        if (glint_energy_step(glint_energy_usual_ior[i], &taken) == step)
+            return glint_energy_usual_glass[i];
+    return NULL;
 }
 
+// An interface of ior 1, as lamps have it, reflects nothing: its table is zeros as it is.
 static const float *part_of(int step, float ior)
 {
     pthread_mutex_lock(&mutex);
-    if (!made[step] &&
-        step == usual_step()) // a copy: who asks for glass is told apart by the pointer
-        memcpy(table[step], glint_energy_usual_glass, sizeof table[step]);
-    else if (!made[step])
+    const float *known = made[step] ? NULL : usual(step);
+    if (known) // a copy: who asks for glass is told apart by the pointer
+        memcpy(table[step], known, sizeof table[step]);
+    else if (!made[step] && step > 0)
         fill(glint_energy_part_row, table[step], ior);
     made[step] = true;
     pthread_mutex_unlock(&mutex);
@@ -89,8 +77,9 @@ const float *glint_energy_glass(float ior)
 {
     float taken;
     const int step = glint_energy_step(ior, &taken);
-    if (step == usual_step())
-        return glint_energy_usual_glass;
+    const float *known = usual(step);
+    if (known)
+        return known;
     const float *outside = part_of(step, taken);
     pthread_mutex_lock(&mutex);
     if (!made_glass[step]) {

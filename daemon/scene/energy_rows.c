@@ -12,6 +12,9 @@
 #define FEWER_POINTS 610u // 1e-3, for what a transmitting interface has besides
 #define FEWER_STEP 377u
 
+// The default of glTF, water, the default of Blender.
+const float glint_energy_usual_ior[GLINT_ENERGY_USUALS] = {1.5f, 1.33f, 1.45f};
+
 // What the visible normal of the numbers (u, v) reflects: G2/G1, times F. ior 0: F is 1.
 static double reflected(struct gk_vec wo, float alpha, float ior, float u, float v)
 {

@@ -18,9 +18,10 @@ void glint_energy_part_row(float *part, float ior, int y);
 // Row y of the parts of a transmitting interface that come after its first.
 void glint_energy_glass_row(float *parts, float ior, int y);
 
-// Of a white reflector and of ior 1.5, which most scenes ask for: made with the daemon.
+// Of a white reflector and of the interfaces that most scenes ask for: made with the daemon.
+#define GLINT_ENERGY_USUALS 3
+extern const float glint_energy_usual_ior[GLINT_ENERGY_USUALS];
 extern const float glint_energy_usual_white[GK_ENERGY_PART];
-extern const float glint_energy_usual_glass[GK_ENERGY_PARTS * GK_ENERGY_PART];
-#define GLINT_ENERGY_USUAL 1.5f
+extern const float glint_energy_usual_glass[GLINT_ENERGY_USUALS][GK_ENERGY_PARTS * GK_ENERGY_PART];
 
 #endif

@@ -228,7 +228,7 @@ static glint_status exchange(glint_importer *im, const struct glint_import_reque
     if (reply.signal || reply.code != GLINT_CHILD_ANSWERED)
         return log_end(&reply, request, explain(&reply, &request->limits, err));
     fcntl(c->output, F_ADD_SEALS, SEALS);
-    return glint_answer_read(c->output, out, err);
+    return glint_answer_read(c->output, false, out, err);
 }
 
 // The child's assets become those of the store, and those that the text names are held by it.

@@ -2,7 +2,9 @@
 #include "scene/import_answer.h"
 
 #include "base/sha256.h"
+#include "base/thread.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -133,6 +135,7 @@ glint_status glint_answer_write(int fd, const struct glint_answer *a)
 struct answer {
     const uint8_t *base;
     uint64_t size;
+    bool alone;
     struct header header;
 };
 
@@ -181,6 +184,12 @@ static bool read_warnings(const struct answer *a, struct glint_import *im)
     return true;
 }
 
+struct reading {
+    const struct answer *answer;
+    struct glint_import *import;
+    atomic_bool broken; // relaxed: the end of all publishes it
+};
+
 static bool read_asset(const struct answer *a, const struct asset_row *row, struct glint_asset *out)
 {
     if (!inside(a, row->bytes) || row->bytes.offset % BLOB_ALIGN)
@@ -191,18 +200,27 @@ static bool read_asset(const struct answer *a, const struct asset_row *row, stru
     return memcmp(out->sha256, row->sha256, sizeof out->sha256) == 0;
 }
 
+static void read_row(void *user, size_t i)
+{
+    struct reading *r = user;
+    const struct answer *a = r->answer;
+    struct asset_row row;
+    memcpy(&row, a->base + tables_end(&a->header) - (a->header.assets - i) * sizeof row,
+           sizeof row);
+    if (!read_asset(a, &row, &r->import->asset[i]))
+        atomic_store_explicit(&r->broken, true, memory_order_relaxed);
+}
+
 static bool read_assets(const struct answer *a, struct glint_import *im)
 {
-    const uint8_t *table =
-        a->base + tables_end(&a->header) - (size_t)a->header.assets * sizeof(struct asset_row);
-    for (uint32_t i = 0; i < a->header.assets; i++) {
-        struct asset_row row;
-        memcpy(&row, table + i * sizeof row, sizeof row);
-        if (!read_asset(a, &row, &im->asset[i]))
-            return false;
-    }
-    im->assets = a->header.assets;
-    return true;
+    struct reading r = {.answer = a, .import = im};
+    const size_t assets = a->header.assets;
+    if (!a->alone)
+        glint_thread_each("assets", assets, read_row, &r);
+    for (size_t i = 0; a->alone && i < assets; i++)
+        read_row(&r, i);
+    im->assets = assets;
+    return !r.broken;
 }
 
 static bool read_header(struct answer *a)
@@ -262,13 +280,14 @@ static glint_memory_ref *map(int fd, struct answer *a)
     return memory;
 }
 
-glint_status glint_answer_read(int fd, struct glint_import **out, struct glint_error *err)
+glint_status glint_answer_read(int fd, bool alone, struct glint_import **out,
+                               struct glint_error *err)
 {
     *out = NULL;
     const off_t size = lseek(fd, 0, SEEK_END); // in the jail too, where fstat is not to be had
     if (size <= 0)
         return broken(err);
-    struct answer a = {.size = (uint64_t)size};
+    struct answer a = {.size = (uint64_t)size, .alone = alone};
     struct glint_import *im = calloc(1, sizeof *im);
     if (im)
         im->memory = map(fd, &a);

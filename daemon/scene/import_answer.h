@@ -27,7 +27,9 @@ glint_status glint_answer_write(int fd, const struct glint_answer *answer);
 
 // Maps the memfd and reads the answer. On GLINT_OK *out is the import, which owns the mapping.
 // The child's own faults are appended to *err and its status returned; an answer that breaks the
-// layout or names an asset wrongly is GLINT_E_RANGE, because the file brought it about. `fd` may be closed afterwards.
-glint_status glint_answer_read(int fd, struct glint_import **out, struct glint_error *err);
+// layout or names an asset wrongly is GLINT_E_RANGE, because the file brought it about. `fd` may be
+// closed afterwards. alone: by the calling thread; else all cores check the names.
+glint_status glint_answer_read(int fd, bool alone, struct glint_import **out,
+                               struct glint_error *err);
 
 #endif

@@ -59,7 +59,7 @@ static glint_status say(int output, const struct glint_import_request *request,
 static glint_status take_given(struct glint_import_work *w, int fd, struct glint_error *err)
 {
     struct glint_import *given;
-    const glint_status st = glint_answer_read(fd, &given, err);
+    const glint_status st = glint_answer_read(fd, true, &given, err);
     if (st)
         return st;
     w->asset = given->asset;

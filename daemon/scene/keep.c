@@ -421,70 +421,6 @@ static glint_status read_checked(glint_keep *k, const char *id, char **text, siz
     return damaged(id, err);
 }
 
-static void unmap(void *base, size_t bytes)
-{
-    munmap(base, bytes);
-}
-
-// The asset of this name, mapped where it is not there yet; retained. NULL: there is no file.
-static glint_asset_ref *bring(glint_keep *k, const char *name, struct glint_error *err)
-{
-    struct glint_asset asset = {0};
-    glint_asset_ref *ref = glint_assets_find(k->assets, name);
-    if (ref)
-        return ref;
-    memcpy(asset.sha256, name, 64);
-    if (glint_vault_map(k->vault, asset.sha256, &asset.bytes, &asset.size, err))
-        return NULL;
-    glint_memory_ref *memory = glint_memory_ref_create((void *)asset.bytes, asset.size, unmap);
-    if (!memory) {
-        munmap((void *)asset.bytes, asset.size);
-        glint_fail(err, GLINT_E_NOMEM, "", "no memory for an asset");
-        return NULL;
-    }
-    glint_assets_add(k->assets, &asset, memory, &ref, err);
-    glint_memory_ref_release(&memory);
-    return ref;
-}
-
-// Every asset that the text names, brought and gathered.
-static glint_status gather(glint_keep *k, const char *text, size_t length,
-                           struct glint_asset_set *out, struct glint_error *err)
-{
-    glint_asset_ref **ref = NULL;
-    size_t at = 0, count = 0, capacity = 0;
-    glint_status st = GLINT_OK;
-    for (const char *name; !st && (name = glint_assets_next_name(text, length, &at));) {
-        struct glint_error fault = {0};
-        if (count == capacity) {
-            capacity = capacity ? 2 * capacity : 64;
-            glint_asset_ref **more = realloc(ref, capacity * sizeof *more);
-            if (!more) {
-                st = glint_fail(err, GLINT_E_NOMEM, "", "no memory for the assets of a scene");
-                break;
-            }
-            ref = more;
-        }
-        if ((ref[count] = bring(k, name, &fault)))
-            count++;
-        else if (fault.status != GLINT_E_NOT_FOUND) // the parser refuses what is missing
-            st = glint_fail(err, fault.status, "", "%s", glint_error_text(&fault));
-        glint_error_finish(&fault);
-    }
-    if (!st)
-        st = glint_assets_gather(k->assets, text, length, out, err);
-    while (count)
-        glint_asset_ref_release(&ref[--count]);
-    free(ref);
-    return st;
-}
-
-static void free_block(void *base, size_t bytes)
-{
-    (void)bytes;
-    free(base);
-}
-
 // The warnings after the text, in one block with it. Takes the text.
 static glint_status make_import(char *text, size_t length, const cJSON *warnings,
                                 struct glint_import **out, struct glint_error *err)
@@ -500,7 +436,7 @@ static glint_status make_import(char *text, size_t length, const cJSON *warnings
     if (im)
         im->warning = calloc(count + 1, sizeof *im->warning);
     if (im && im->warning && block)
-        im->memory = glint_memory_ref_create(block, bytes, free_block);
+        im->memory = glint_memory_ref_of_block(block, bytes);
     if (!im || !im->memory) {
         free(block ? block : text);
         glint_import_destroy(out);
@@ -531,7 +467,7 @@ glint_status glint_keep_read(glint_keep *k, const char *id, const char *warnings
     st = make_import(text, length, list, out, err);
     cJSON_Delete(list);
     if (!st)
-        st = gather(k, (*out)->text, length, &(*out)->set, err);
+        st = glint_keep_gather(k, (*out)->text, length, &(*out)->set, err);
     if (st) {
         glint_import_destroy(out);
         return st;

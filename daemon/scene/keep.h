@@ -39,6 +39,11 @@ struct glint_kept_scene {
 // Keeps assets and a long text of the revision.
 glint_status glint_keep_content(glint_keep *keep, const char *id, const struct glint_import *import,
                                 struct glint_error *err);
+// Begins to keep the same beside the caller, for whom glint_keep_content() has less to do once this has
+// ended; what goes wrong is told there. NULL: nothing was begun, which is no error.
+struct glint_keeping *glint_keep_begin(glint_keep *keep, const char *id,
+                                       const struct glint_import *import);
+void glint_keep_end(struct glint_keeping **keeping); // waits; NULL is fine
 // From now on `name` stands for the revision, whose content is kept. Calls for one name follow one
 // another.
 glint_status glint_keep_publish(glint_keep *keep, const struct glint_kept_scene *scene,

@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 
 #define PAUSE_SECONDS 1 // between two rounds: a scene that is patched often leaves many
 
@@ -233,11 +232,6 @@ static void take_name(void *user, const struct glint_row *row)
     memcpy(more[names->count++], name, 65);
 }
 
-static void unmap(void *base, size_t bytes)
-{
-    munmap(base, bytes);
-}
-
 static void adopt(glint_keep *k, const char *name)
 {
     struct glint_asset asset = {0};
@@ -245,10 +239,9 @@ static void adopt(glint_keep *k, const char *name)
     bool created;
     memcpy(asset.sha256, name, 65);
     glint_status st = glint_vault_map(k->vault, name, &asset.bytes, &asset.size, &err);
-    glint_memory_ref *memory =
-        st ? NULL : glint_memory_ref_create((void *)asset.bytes, asset.size, unmap);
+    glint_memory_ref *memory = st ? NULL : glint_memory_ref_of_mapping(&asset.bytes, asset.size);
     if (!st && !memory)
-        munmap((void *)asset.bytes, asset.size);
+        st = glint_fail(&err, GLINT_E_NOMEM, "", "no memory for an asset");
     if (memory)
         st = glint_assets_put(k->assets, &asset, memory, &created, &err);
     if (memory)

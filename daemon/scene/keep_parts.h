@@ -1,4 +1,4 @@
-// keep_parts.h - the inside of the keep, shared by the file that keeps and the one that collects.
+// keep_parts.h - the inside of the keep, shared by the files that keep, bring and collect.
 #ifndef GLINT_SCENE_KEEP_PARTS_H
 #define GLINT_SCENE_KEEP_PARTS_H
 
@@ -38,5 +38,10 @@ struct glint_keep {
 
 // With the mutex.
 struct glint_held *glint_keep_find(const glint_keep *keep, const char *id);
+
+// Every asset that the text names, mapped where it is not in memory. One without a file is left to the
+// parser to refuse. The caller releases *out.
+glint_status glint_keep_gather(glint_keep *keep, const char *text, size_t length,
+                               struct glint_asset_set *out, struct glint_error *err);
 
 #endif

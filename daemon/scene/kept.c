@@ -1,5 +1,6 @@
 // kept.c - the meshes that rows draw: those of the scene, the quad of area lights and what a pose
 // deforms; shared with the revision before where their content is the same.
+#include "base/thread.h"
 #include "scene/internal.h"
 
 #include <stdlib.h>
@@ -173,37 +174,63 @@ glint_status glint_resident_list_kept(struct glint_resident *r, struct glint_err
     return GLINT_OK;
 }
 
-static glint_status keep(struct glint_resident *r, const struct finder *f, uint32_t i,
-                         struct glint_error *err)
+// What the mesh was in the revision before; NULL: it was not there, or nothing drew it.
+static const struct glint_kept *source_of(const struct glint_resident *r, const struct finder *f,
+                                          uint32_t i)
 {
-    struct glint_kept *k = &r->kept[i];
-    const bool quad = i == r->scene->meshes;
-    glint_status st = GLINT_OK;
+    const struct glint_kept *source = NULL;
     if (i < r->scene->meshes)
-        k->source = find(f, k->mesh, i);
-    else if (quad && f->from)
-        k->source = &f->from->kept[f->from->scene->meshes];
-    if (k->source && !k->source->shape)
-        k->source = NULL;
-    if (k->source) { // also of a mesh that nothing draws now: it may be shown again
-        k->shape = glint_shape_retain(k->source->shape);
-    } else if (k->uses) {
-        st = glint_shape_create(&k->shape, k->mesh, k->position, k->keys, err);
-        r->change.items[GLINT_PART_MESHES]++;
+        source = find(f, r->kept[i].mesh, i);
+    else if (i == r->scene->meshes && f->from)
+        source = &f->from->kept[f->from->scene->meshes];
+    return source && source->shape ? source : NULL;
+}
+
+static void find_sources(struct glint_resident *r, const struct finder *f)
+{
+    for (uint32_t i = 0; i < r->kepts; i++) {
+        struct glint_kept *k = &r->kept[i];
+        k->source = source_of(r, f, i);
+        if (k->source) // also of a mesh that nothing draws now: it may be shown again
+            k->shape = glint_shape_retain(k->source->shape);
+        else if (k->uses)
+            r->change.items[GLINT_PART_MESHES]++;
     }
-    if (st || !k->shape)
-        return st;
-    k->index = k->shape->index ? k->shape->index : k->mesh->index;
-    k->triangles = k->shape->triangles;
-    return GLINT_OK;
+}
+
+struct shaping {
+    struct glint_resident *r;
+    atomic_int failed; // relaxed: the end of all publishes it
+};
+
+static void shape_one(void *user, size_t i)
+{
+    struct shaping *s = user;
+    struct glint_kept *k = &s->r->kept[i];
+    if (k->uses && !k->shape && glint_shape_create(&k->shape, k->mesh, k->position, k->keys, NULL))
+        atomic_store_explicit(&s->failed, 1, memory_order_relaxed);
+    if (k->shape) {
+        k->index = k->shape->index ? k->shape->index : k->mesh->index;
+        k->triangles = k->shape->triangles;
+    }
+}
+
+static glint_status make_shapes(struct glint_resident *r, struct glint_error *err)
+{
+    struct shaping s = {.r = r};
+    glint_thread_each("shapes", r->kepts, shape_one, &s);
+    return s.failed ? glint_fail(err, GLINT_E_NOMEM, "", "no memory for %u meshes", r->kepts)
+                    : GLINT_OK;
 }
 
 glint_status glint_resident_keep(struct glint_resident *r, struct glint_error *err)
 {
     struct finder f;
     glint_status st = finder_open(&f, r->from, err);
-    for (uint32_t i = 0; !st && i < r->kepts; i++)
-        st = keep(r, &f, i, err);
+    if (!st) {
+        find_sources(r, &f);
+        st = make_shapes(r, err);
+    }
     free(f.slot);
     for (uint32_t i = 0; !st && i < r->rows; i++)
         r->stats.instanced_triangles += r->kept[r->row[i].kept].triangles;

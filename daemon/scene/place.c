@@ -1,5 +1,6 @@
 // place.c - hands the kept triangles of every row to the traversal structures.
 #include "base/clock.h"
+#include "base/memory.h"
 #include "kernels/gk_sampler.h"
 #include "scene/internal.h"
 
@@ -220,11 +221,16 @@ static glint_status view(const struct glint_resident *r, glint_world *world, gli
     return *out ? GLINT_OK : glint_fail(err, GLINT_E_NOMEM, "", "no memory for a geometry");
 }
 
+// What Embree takes from the heap for a triangle of a flat structure.
+#define HEAP_BYTES 112u
+
 // *placing: when the bodies were there.
 static glint_status build(struct filling *f, glint_geometry **out, double *placing,
                           struct glint_error *err)
 {
     glint_world *world = NULL;
+    if (f->flat)
+        glint_memory_expect(f->r->stats.instanced_triangles * HEAP_BYTES);
     glint_status st = open_filling(f, err);
     if (!st)
         st = find_bodies(f, err);
@@ -235,6 +241,8 @@ static glint_status build(struct filling *f, glint_geometry **out, double *placi
         st = view(f->r, world, out, err);
     glint_world_release(&world);
     close_filling(f);
+    if (f->flat)
+        glint_memory_settle();
     return st;
 }
 

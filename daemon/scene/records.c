@@ -2,6 +2,7 @@
 // however many rows draw it, and once for each key of one that bends.
 #include "scene/records.h"
 
+#include "base/thread.h"
 #include "scene/curvature.h"
 
 #include <math.h>
@@ -70,13 +71,20 @@ static void fill_coordinates(float out[6], const float *uv, const uint32_t *t, u
             centre_periods(out + axis);
 }
 
-static void fill_triangles(struct gk_triangle *out, const struct glint_kept *k, uint32_t key)
+// Triangles of a mesh at a key, those of one place of work.
+struct part_of_mesh {
+    const struct glint_kept *k;
+    uint32_t key, from, to;
+};
+
+static void fill_triangles(struct gk_triangle *out, const struct part_of_mesh *p)
 {
-    const size_t first = 3 * (size_t)key * k->mesh->vertices;
+    const struct glint_kept *k = p->k;
+    const size_t first = 3 * (size_t)p->key * k->mesh->vertices;
     const float *normal = k->normal ? k->normal + first : NULL;
     const uint32_t flags = (k->flags & GLINT_RECORD_UV1 ? GK_TRIANGLE_UV1 : 0u) |
                            (k->flags & GLINT_RECORD_COLOURS ? GK_TRIANGLE_COLOURED : 0u);
-    for (uint32_t i = 0; i < k->triangles; i++) {
+    for (uint32_t i = p->from; i < p->to; i++) {
         const uint32_t *t = k->index + 3 * (size_t)i;
         for (int c = 0; normal && c < 3; c++)
             memcpy(out[i].normal + 3 * c, normal + 3 * (size_t)t[c], 12);
@@ -88,15 +96,17 @@ static void fill_triangles(struct gk_triangle *out, const struct glint_kept *k, 
     }
 }
 
-static void fill_uv1(struct gk_uv1 *out, const struct glint_kept *k)
+static void fill_uv1(struct gk_uv1 *out, const struct part_of_mesh *p)
 {
-    for (uint32_t i = 0; i < k->triangles; i++)
+    const struct glint_kept *k = p->k;
+    for (uint32_t i = p->from; i < p->to; i++)
         fill_coordinates(out[i].uv, k->mesh->uv1, k->index + 3 * (size_t)i, k->flags, 1);
 }
 
-static void fill_colours(struct gk_colour *out, const struct glint_kept *k)
+static void fill_colours(struct gk_colour *out, const struct part_of_mesh *p)
 {
-    for (uint32_t i = 0; i < k->triangles; i++)
+    const struct glint_kept *k = p->k;
+    for (uint32_t i = p->from; i < p->to; i++)
         for (int c = 0; c < 3; c++)
             memcpy(out[i].rgba + 4 * c, k->mesh->color + 4 * (size_t)k->index[3 * (size_t)i + c],
                    16);
@@ -118,20 +128,32 @@ static bool has(const struct glint_kept *k, const struct part *p)
     return k->shape && (!p->flag || k->flags & p->flag);
 }
 
-static glint_status fill_key(struct glint_resident *r, const struct glint_kept *k, uint32_t key,
-                             struct glint_error *err)
+// What a core takes at a time.
+#define SHARE 16384u
+
+struct share {
+    const struct glint_kept *k;
+    uint32_t key, from;
+};
+
+struct filling {
+    struct glint_resident *r;
+    const struct share *share;
+};
+
+static void fill_share(void *user, size_t i)
 {
-    const size_t first = k->first + (size_t)key * k->triangles;
-    fill_triangles((struct gk_triangle *)glint_table_host(r, GLINT_TABLE_TRIANGLES) + first, k,
-                   key);
+    const struct filling *f = user;
+    const struct share *s = &f->share[i];
+    const struct glint_kept *k = s->k;
+    const size_t first = k->first + (size_t)s->key * k->triangles;
+    const uint32_t left = k->triangles - s->from;
+    const struct part_of_mesh p = {k, s->key, s->from, s->from + (left < SHARE ? left : SHARE)};
+    fill_triangles((struct gk_triangle *)glint_table_host(f->r, GLINT_TABLE_TRIANGLES) + first, &p);
     if (k->flags & GLINT_RECORD_UV1)
-        fill_uv1((struct gk_uv1 *)glint_table_host(r, GLINT_TABLE_UV1) + first, k);
+        fill_uv1((struct gk_uv1 *)glint_table_host(f->r, GLINT_TABLE_UV1) + first, &p);
     if (k->flags & GLINT_RECORD_COLOURS)
-        fill_colours((struct gk_colour *)glint_table_host(r, GLINT_TABLE_COLOURS) + first, k);
-    if (k->flags & GLINT_RECORD_TANGENTS)
-        return glint_records_fill_tangents(
-            (struct gk_tangent *)glint_table_host(r, GLINT_TABLE_TANGENTS) + first, k, key, err);
-    return GLINT_OK;
+        fill_colours((struct gk_colour *)glint_table_host(f->r, GLINT_TABLE_COLOURS) + first, &p);
 }
 
 static void copy_from(struct glint_resident *r, const struct glint_kept *k)
@@ -144,16 +166,63 @@ static void copy_from(struct glint_resident *r, const struct glint_kept *k)
                    k->triangles * parts[p].size);
 }
 
+static bool is_copied(const struct glint_kept *k)
+{
+    return k->source && k->source->flags == k->flags;
+}
+
+static bool is_filled(const struct glint_kept *k)
+{
+    return k->shape && !is_copied(k);
+}
+
+static size_t shares_of(const struct glint_kept *k)
+{
+    return is_filled(k) ? (k->triangles + (size_t)SHARE - 1) / SHARE * k->keys : 0;
+}
+
+static void list_shares(const struct glint_kept *k, struct share *out)
+{
+    for (uint32_t key = 0; key < k->keys; key++)
+        for (uint32_t from = 0; from < k->triangles; from += SHARE)
+            *out++ = (struct share){k, key, from};
+}
+
+static glint_status fill_shares(struct glint_resident *r, struct glint_error *err)
+{
+    size_t count = 0, at = 0;
+    for (uint32_t i = 0; i < r->kepts; i++)
+        count += shares_of(&r->kept[i]);
+    struct share *share = calloc(count + 1, sizeof *share);
+    if (!share)
+        return glint_fail(err, GLINT_E_NOMEM, "", "no memory for records");
+    for (uint32_t i = 0; i < r->kepts; at += shares_of(&r->kept[i++]))
+        if (is_filled(&r->kept[i]))
+            list_shares(&r->kept[i], share + at);
+    glint_thread_each("records", count, fill_share, &(struct filling){r, share});
+    free(share);
+    return GLINT_OK;
+}
+
+static glint_status fill_tangents(struct glint_resident *r, const struct glint_kept *k,
+                                  struct glint_error *err)
+{
+    struct gk_tangent *out = glint_table_host(r, GLINT_TABLE_TANGENTS);
+    glint_status st = GLINT_OK;
+    for (uint32_t key = 0; !st && key < k->keys; key++)
+        st = glint_records_fill_tangents(out + k->first + (size_t)key * k->triangles, k, key, err);
+    return st;
+}
+
 static glint_status fill(struct glint_resident *r, struct glint_error *err)
 {
-    glint_status st = GLINT_OK;
+    glint_status st = fill_shares(r, err);
     for (uint32_t i = 0; !st && i < r->kepts; i++) {
         const struct glint_kept *k = &r->kept[i];
-        if (k->source && k->source->flags == k->flags)
+        if (is_copied(k))
             copy_from(r, k);
-        else if (k->shape)
-            for (uint32_t key = 0; !st && key < k->keys; key++)
-                st = fill_key(r, k, key, err);
+        else if (is_filled(k) && k->flags & GLINT_RECORD_TANGENTS)
+            st = fill_tangents(r, k, err);
     }
     return st;
 }

@@ -284,14 +284,17 @@ static glint_status load(glint_store *s, const char *name, struct glint_import *
         glint_import_destroy(&import);
         return glint_fail(err, GLINT_E_NOMEM, "", "no memory for a revision");
     }
-    return glint_revision_create(
-        out, s->devices,
-        &(struct glint_revision_order){.name = name,
-                                       .import = import,
-                                       .usage = usage,
-                                       .resident_bytes = &s->resident_bytes,
-                                       .keep = s->keep},
-        err);
+    struct glint_keeping *beside = s->keep ? glint_keep_begin(s->keep, id, import) : NULL;
+    const glint_status st =
+        glint_revision_create(out, s->devices,
+                              &(struct glint_revision_order){.name = name,
+                                                             .import = import,
+                                                             .usage = usage,
+                                                             .resident_bytes = &s->resident_bytes,
+                                                             .keep = s->keep},
+                              err);
+    glint_keep_end(&beside);
+    return st;
 }
 
 static glint_status import_and_publish(glint_store *s, const char *name,

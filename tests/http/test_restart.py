@@ -68,6 +68,25 @@ def test_a_deleted_scene_is_gone_with_its_files():
         d.wait(lambda: files() == room, "files that nobody needs")
 
 
+def mapped(d):
+    with open(f"/proc/{d.process.pid}/maps", encoding="utf-8") as file:
+        return sum(1 for _ in file)
+
+
+# The system allows a process 65,530.
+def test_small_assets_take_no_mapping_each_before_a_restart_or_after():
+    with Lasting("--threads", "1") as d:
+        before = mapped(d)
+        bodies = [f"small {i}".encode() for i in range(80)]
+        paths = [f"/v1/assets/{hashlib.sha256(body).hexdigest()}" for body in bodies]
+        for path, body in zip(paths, bodies):
+            assert d.ask("PUT", path, body).status == 201
+        assert mapped(d) < before + 40
+        d.restart()
+        d.wait(lambda: all(d.ask("HEAD", path).status == 200 for path in paths), "all are back")
+        assert mapped(d) < before + 40
+
+
 def test_an_asset_outlives_the_daemon_that_took_it():
     body = b"asset" * 1000
     name = hashlib.sha256(body).hexdigest()

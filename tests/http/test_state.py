@@ -135,7 +135,11 @@ def check_refused(d, blob, name):
 
 def check_not_kept(d, job):
     """What renders goes on, and says that it is not kept."""
-    d.wait(lambda: any("not being kept" in w for w in d.job(job)["warnings"]), "a warning")
+    said = []
+    d.wait(lambda: said.extend(w for w in d.job(job)["warnings"] if "not being kept" in w) or said,
+           "a warning")
+    parts = said[-1].split("; ")[0].split(": ")
+    assert len(parts) == len(set(parts)), f"it gives a reason twice: {said[-1]}"
     assert d.metric('glint_checkpoint_total{result="failed"}') >= 1
     assert "not kept" in d.logged()
     samples = d.job(job)["samples"]

@@ -122,6 +122,43 @@ static void the_limit_is_told_with_figures(void **state)
     glint_assets_destroy(&assets);
 }
 
+static void nothing(void *base, size_t bytes)
+{
+    (void)base;
+    (void)bytes;
+}
+
+// Bytes that nobody reads, under the name of a number.
+static glint_status put_numbered(glint_assets *assets, unsigned number, size_t size,
+                                 struct glint_error *err)
+{
+    static uint8_t bytes[1];
+    struct glint_asset asset = {.bytes = bytes, .size = size};
+    bool created;
+    snprintf(asset.sha256, sizeof asset.sha256, "%04x%060x", number & 0xffff, number);
+    glint_memory_ref *memory = glint_memory_ref_create(bytes, size, nothing);
+    const glint_status st = glint_assets_put(assets, &asset, memory, &created, err);
+    glint_memory_ref_release(&memory);
+    return st;
+}
+
+static void no_more_large_ones_are_held_than_there_are_mappings_for(void **state)
+{
+    (void)state;
+    glint_assets *assets = open_store(UINT64_MAX);
+    struct glint_error err = {0};
+    unsigned n = 0;
+    for (; n < GLINT_MOST_LARGE_ASSETS; n++)
+        assert_int_equal(put_numbered(assets, n, GLINT_LARGE_ASSET_BYTES, NULL), GLINT_OK);
+    assert_int_equal(put_numbered(assets, n, GLINT_LARGE_ASSET_BYTES, &err), GLINT_E_CAPACITY);
+    assert_non_null(strstr(err.fault[0].detail, "32768 are held"));
+    glint_error_finish(&err);
+    assert_int_equal(put_numbered(assets, n, GLINT_LARGE_ASSET_BYTES - 1, NULL), GLINT_OK);
+    glint_assets_unput(assets, "0000000000000000000000000000000000000000000000000000000000000000");
+    assert_int_equal(put_numbered(assets, n + 1, GLINT_LARGE_ASSET_BYTES, NULL), GLINT_OK);
+    glint_assets_destroy(&assets);
+}
+
 static void a_text_names_its_assets_once_each(void **state)
 {
     (void)state;
@@ -270,6 +307,7 @@ int main(void)
         cmocka_unit_test(equal_bytes_are_kept_once),
         cmocka_unit_test(what_a_client_puts_stays_without_a_scene),
         cmocka_unit_test(the_limit_is_told_with_figures),
+        cmocka_unit_test(no_more_large_ones_are_held_than_there_are_mappings_for),
         cmocka_unit_test(a_text_names_its_assets_once_each),
         cmocka_unit_test(threads_add_and_release_at_once),
         cmocka_unit_test(parts_become_files),

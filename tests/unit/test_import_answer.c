@@ -57,7 +57,7 @@ static void what_is_written_is_read(void **state)
     struct glint_import *im;
     struct glint_error err = {0};
     const int fd = good_answer();
-    assert_int_equal(glint_answer_read(fd, &im, &err), GLINT_OK);
+    assert_int_equal(glint_answer_read(fd, false, &im, &err), GLINT_OK);
     close(fd);
     assert_string_equal(im->text, "{}");
     assert_int_equal(im->length, 2);
@@ -82,7 +82,7 @@ static void faults_keep_pointer_and_sentence(void **state)
     struct glint_import *im;
     const int fd = memfd();
     assert_int_equal(glint_answer_write(fd, &a), GLINT_OK);
-    assert_int_equal(glint_answer_read(fd, &im, &err), GLINT_E_SYNTAX);
+    assert_int_equal(glint_answer_read(fd, false, &im, &err), GLINT_E_SYNTAX);
     assert_null(im);
     assert_int_equal(err.status, GLINT_E_SYNTAX);
     assert_int_equal(err.count, 2);
@@ -122,7 +122,7 @@ static void no_byte_that_a_child_writes_is_trusted(void **state)
             bytes[i] ^= change[k];
             assert_int_equal(pwrite(fd, bytes, (size_t)n, 0), n);
             bytes[i] ^= change[k];
-            if (glint_answer_read(fd, &im, NULL)) {
+            if (glint_answer_read(fd, false, &im, NULL)) {
                 refused++;
             } else {
                 char hex[65];
@@ -149,7 +149,7 @@ static void every_cut_is_refused(void **state)
         struct glint_import *im;
         struct glint_error err = {0};
         assert_int_equal(ftruncate(fd, n), 0);
-        assert_int_equal(glint_answer_read(fd, &im, &err), GLINT_E_RANGE);
+        assert_int_equal(glint_answer_read(fd, false, &im, &err), GLINT_E_RANGE);
         glint_error_finish(&err);
     }
     close(fd);
