@@ -59,6 +59,8 @@ libglintdaemon_a_SOURCES = \
 	daemon/device/program.h \
 	daemon/device/source.c \
 	daemon/device/sources.h \
+	daemon/http/accept.c \
+	daemon/http/accept.h \
 	daemon/http/accuracy.c \
 	daemon/http/answer.c \
 	daemon/http/answer.h \

@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/thread.h"
+#include "http/accept.h"
 #include "http/board.h"
 #include "http/dispatch.h"
 #include "http/events.h"
@@ -12,7 +13,6 @@
 
 #include <assert.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <netinet/in.h>
 #include <stdio.h>
@@ -20,7 +20,6 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <time.h>
-#include <unistd.h>
 
 #define LIBRARY_THREADS 2
 // The library's own limit only keeps it alive: what is over ours gets an answer. It holds per
@@ -203,23 +202,23 @@ static void start_metrics(glint_http *h)
     glint_metrics_on_read(m, refresh_metrics, h);
 }
 
-static glint_status start_library(glint_http *h, int fd, bool secure, struct glint_error *err)
+static glint_status start_library(glint_http *h, bool secure, struct glint_error *err)
 {
-    const unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC |
-                           MHD_USE_ERROR_LOG | (secure ? MHD_USE_TLS : 0);
+    const unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_NO_LISTEN_SOCKET |
+                           MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG |
+                           (secure ? MHD_USE_TLS : 0);
     const struct MHD_OptionItem tls[] = {
         {MHD_OPTION_HTTPS_CERT_CALLBACK, 0, glint_tls_callback()},
         {MHD_OPTION_HTTPS_PRIORITIES, 0, (void *)glint_tls_priorities()},
         {MHD_OPTION_END, 0, NULL}};
     const struct MHD_OptionItem *const extra = secure ? tls : tls + 2;
-    fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
     h->mhd = MHD_start_daemon(
         flags, 0, NULL, NULL, glint_dispatch_request, h, MHD_OPTION_EXTERNAL_LOGGER, log_library,
-        NULL, MHD_OPTION_LISTEN_SOCKET, fd, MHD_OPTION_THREAD_POOL_SIZE, (unsigned)LIBRARY_THREADS,
-        MHD_OPTION_CONNECTION_LIMIT, MOST_CONNECTIONS, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-        CONNECTION_BYTES, MHD_OPTION_NOTIFY_COMPLETED, glint_dispatch_completed, h,
-        MHD_OPTION_NOTIFY_CONNECTION, on_connection, h, MHD_OPTION_UNESCAPE_CALLBACK, leave_escaped,
-        h, MHD_OPTION_ARRAY, extra, MHD_OPTION_END);
+        NULL, MHD_OPTION_THREAD_POOL_SIZE, (unsigned)LIBRARY_THREADS, MHD_OPTION_CONNECTION_LIMIT,
+        MOST_CONNECTIONS, MHD_OPTION_CONNECTION_MEMORY_LIMIT, CONNECTION_BYTES,
+        MHD_OPTION_NOTIFY_COMPLETED, glint_dispatch_completed, h, MHD_OPTION_NOTIFY_CONNECTION,
+        on_connection, h, MHD_OPTION_UNESCAPE_CALLBACK, leave_escaped, h, MHD_OPTION_ARRAY, extra,
+        MHD_OPTION_END);
     return h->mhd ? GLINT_OK : glint_fail(err, GLINT_E_IO, "", "the HTTP library does not start");
 }
 
@@ -256,8 +255,10 @@ glint_status glint_http_create(glint_http **out, const struct glint_http_params 
         st = glint_watch_create(&h->watch, round_of_watch, h, err);
     if (!st) {
         start_metrics(h);
-        st = start_library(h, params->listen_fd, params->tls, err);
+        st = start_library(h, params->tls, err);
     }
+    if (!st)
+        st = glint_accept_start(&h->accept, h->mhd, params->listen_fd, err);
     if (st) {
         glint_http_destroy(&h);
         return st;
@@ -274,9 +275,8 @@ bool glint_http_drain(glint_http *http, double seconds)
     const bool first = !http->draining;
     http->draining = true;
     pthread_mutex_unlock(&http->mutex);
-    const MHD_socket fd = first ? MHD_quiesce_daemon(http->mhd) : MHD_INVALID_SOCKET;
-    if (fd != MHD_INVALID_SOCKET)
-        close(fd);
+    if (first)
+        glint_accept_stop(&http->accept);
     glint_watch_wake(http->watch);
     pthread_mutex_lock(&http->mutex);
     while (http->requests && glint_condition_wait(&http->changed, &http->mutex, until)) {

@@ -7,7 +7,7 @@
 // Every error is application/problem+json. A query parameter has no JSON pointer, so its fault
 // carries the pointer "" and a detail that starts with the parameter's name.
 //
-// Threads: create, drain and destroy by main.
+// Threads: create, drain and destroy by main. One more takes connections (accept.h).
 #ifndef GLINT_HTTP_HTTP_H
 #define GLINT_HTTP_HTTP_H
 

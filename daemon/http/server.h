@@ -32,6 +32,7 @@ typedef struct glint_topics glint_topics;
 
 struct glint_http {
     struct MHD_Daemon *mhd;
+    struct glint_accept *accept; // until it drains
     glint_jobs *jobs;
     glint_store *store;
     glint_devices *devices;

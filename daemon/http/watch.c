@@ -9,10 +9,12 @@
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
 #define MIN_ROUND_SECONDS 0.002
 #define MAX_ROUND_SECONDS 0.250
+#define TURN_SECONDS 0.0025 // what a round takes; shorter than a worker's
 #define MAX_EVENTS 64
 #define WAKE 0 // no client has this number
 
@@ -90,14 +92,23 @@ static bool wait_for_events(glint_watch *w, double until)
 {
     struct epoll_event event[MAX_EVENTS];
     const double seconds = fmax(until - glint_now(), 0);
-    const int n = epoll_wait(w->poll, event, MAX_EVENTS, (int)ceil(seconds * 1e3));
+    int n = epoll_wait(w->poll, event, MAX_EVENTS, (int)ceil(seconds * 1e3));
     bool woken = false;
     pthread_mutex_lock(&w->mutex);
-    for (int i = 0; i < n; i++)
-        woken |= take_event(w, event[i].data.u64, event[i].events);
+    for (; n > 0; n = n == MAX_EVENTS ? epoll_wait(w->poll, event, MAX_EVENTS, 0) : 0)
+        for (int i = 0; i < n; i++)
+            woken |= take_event(w, event[i].data.u64, event[i].events);
     look_after(w);
     pthread_mutex_unlock(&w->mutex);
     return woken;
+}
+
+// What comes meanwhile is taken together then: each by itself would wake this thread.
+static void let_gather(double until)
+{
+    const double seconds = until - glint_now();
+    if (seconds > 0)
+        nanosleep(&(struct timespec){.tv_nsec = (long)(seconds * 1e9)}, NULL);
 }
 
 static bool stopped(glint_watch *w)
@@ -112,11 +123,13 @@ static void *serve(void *arg)
 {
     glint_watch *w = arg;
     double last = glint_now();
+    glint_thread_turns(TURN_SECONDS);
     while (!stopped(w)) {
         bool woken = wait_for_events(w, last + MAX_ROUND_SECONDS);
-        // After a wake the others that follow at once share its round.
-        while (woken && glint_now() < last + MIN_ROUND_SECONDS)
-            wait_for_events(w, last + MIN_ROUND_SECONDS);
+        if (woken) { // the others that follow at once share its round
+            let_gather(last + MIN_ROUND_SECONDS);
+            wait_for_events(w, 0);
+        }
         if (!woken && glint_now() < last + MAX_ROUND_SECONDS)
             continue;
         uint64_t wakes;

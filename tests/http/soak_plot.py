@@ -1,7 +1,9 @@
 """soak_plot.py - the record of soak as one SVG: a panel for each quantity over the minutes."""
 
 WIDTH, PANEL, LEFT, RIGHT, TOP = 900, 110, 110, 20, 30
-TITLES = {"rss_bytes": ("resident memory, MiB", 1 << 20), "descriptors": ("descriptors", 1),
+TITLES = {"rss_bytes": ("resident memory, MiB", 1 << 20),
+          "other_bytes": ("of it no film and no scene, MiB", 1 << 20),
+          "heap_bytes": ("heap, used and free, MiB", 1 << 20), "descriptors": ("descriptors", 1),
           "threads": ("threads", 1), "disk_bytes": ("state folder, MiB", 1 << 20),
           "cache_bytes": ("kernel cache, MiB", 1 << 20),
           "resident_bytes": ("scenes resident, MiB", 1 << 20), "jobs": ("jobs known", 1)}

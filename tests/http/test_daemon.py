@@ -2,6 +2,7 @@
 """glintd as a program: its command line, where it listens, how it ends."""
 import json
 import os
+import resource
 import select
 import signal
 import socket
@@ -151,6 +152,22 @@ def test_compiled_kernels_are_cached_where_the_user_keeps_caches():
             if before:
                 os.environ["XDG_CACHE_HOME"] = before
         assert any(files for _, _, files in os.walk(os.path.join(cache, "glint")))
+
+
+def test_clients_that_find_no_descriptor_wait_for_one():
+    with Daemon() as daemon:
+        room = len(os.listdir(f"/proc/{daemon.process.pid}/fd")) + 6
+        resource.prlimit(daemon.process.pid, resource.RLIMIT_NOFILE, (room, room))
+        clients = [socket.create_connection(("127.0.0.1", daemon.port)) for _ in range(12)]
+        for client in clients:
+            client.sendall(b"GET /v1 HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        while clients:
+            served = select.select(clients, [], [], PATIENCE)[0]
+            assert served, len(clients)
+            for client in served:
+                assert client.recv(15) == b"HTTP/1.1 200 OK"
+                client.close()
+                clients.remove(client)
 
 
 if __name__ == "__main__":

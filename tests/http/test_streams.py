@@ -96,7 +96,7 @@ def test_a_stream_from_the_start_ends_with_what_the_finished_job_has():
 
 
 def test_a_slow_reader_misses_versions_and_ends_with_the_newest():
-    with Daemon() as daemon:
+    with Daemon("--idle-seconds", str(round(10 * PATIENCE))) as daemon:  # it stands still all the while
         daemon.put("room", ROOM)
         job = submit(daemon, 128)
         with daemon.connect(f"/v1/jobs/{job}/tiles", receive_buffer=4096) as slow, \
