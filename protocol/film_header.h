@@ -30,7 +30,7 @@ struct glint_estimate {
     double linear;      // sqrt(mean of v), likewise
     double tone_mapped; // after T(c) = c / (1 + max(r, g, b)): sqrt(mean over pixels of the sum)
     double tail; // Hill's index of the worst hundredth of pixel variances: at most this, 95 %
-    double lift; // `error` over what it is where m is the pixel's own mean alone, >= 1
+    double lift; // what `error` may be by the neighbours' means, over that by the pixels' own, >= 1
 };
 
 // A film at one moment. Its tiles have the samples [first, sample) of the job, and [first, sample +

@@ -5,11 +5,12 @@
 #include <math.h>
 #include <string.h>
 
-#define DARK 0.01 // added to squares of means
-#define RARE 2.5  // Hill's index below which events are rare
-#define TAIL 0.01 // of the pixels
-#define LIFTED 1.02
-#define HEAVY 1.15
+#define DARK 0.01       // added to squares of means
+#define QUARTILE 0.6745 // of a normal law, in deviations from its middle
+#define RARE 2.5        // Hill's index below which events are rare
+#define TAIL 0.01       // of the pixels
+#define LIFTED 1.1
+#define HEAVY 1.4
 #define LOOKS_OFF 0.05 // of jobs that may stop too early
 
 // ---- a tile
@@ -107,14 +108,10 @@ static void order_four(double v[4])
     order(&v[1], &v[2]);
 }
 
-// Of the neighbours within the tile: the mean of the two in the middle. Source: Batcher 1968, the
-// odd-even merge of twice four, without what only orders the outer ones. Spelled out, for it runs for
-// every pixel of every pass.
-static double around(const struct means *m, uint32_t c, uint32_t x, uint32_t y)
+// Source: Batcher 1968, the odd-even merge of twice four. Spelled out, for it runs for every pixel of
+// every pass.
+static void order_eight(double v[8])
 {
-    const double(*row)[GK_TILE_SIDE + 2] = &m->of[c][y];
-    double v[8] = {row[0][x],     row[0][x + 1], row[0][x + 2], row[1][x],
-                   row[1][x + 2], row[2][x],     row[2][x + 1], row[2][x + 2]};
     order_four(v);
     order_four(v + 4);
     order(&v[0], &v[4]);
@@ -123,13 +120,40 @@ static double around(const struct means *m, uint32_t c, uint32_t x, uint32_t y)
     order(&v[3], &v[7]);
     order(&v[2], &v[4]);
     order(&v[3], &v[5]);
-    return 0.5 * (v[3] + v[4]);
+    order(&v[1], &v[2]);
+    order(&v[3], &v[4]);
+    order(&v[5], &v[6]);
 }
 
-static double taken_for(double mean, double variance, double neighbours)
+// What a pixel's neighbours within the tile say of its mean: their median, and the variance of a law with
+// their quartiles, which lie as far off as the geometric mean of both does. Beside a lamp that is no
+// more than the darker ones differ.
+struct law {
+    double middle, variance;
+};
+
+static void ask(struct law *out, const struct means *m, uint32_t c, uint32_t x, uint32_t y)
 {
-    const double share = mean > 0.0 ? fmin(sqrt(variance) / mean, 1.0) : 0.0;
-    return mean - share * fmax(mean - neighbours, 0.0);
+    const double(*row)[GK_TILE_SIDE + 2] = &m->of[c][y];
+    double v[8] = {row[0][x],     row[0][x + 1], row[0][x + 2], row[1][x],
+                   row[1][x + 2], row[2][x],     row[2][x + 1], row[2][x + 2]};
+    order_eight(v);
+    out->middle = 0.5 * (v[3] + v[4]);
+    const double up = 0.5 * (v[5] + v[6]) - out->middle, down = out->middle - 0.5 * (v[1] + v[2]);
+    out->variance = up * down / square(QUARTILE);
+}
+
+// Where a mean of that variance is looked for by who knows the middle of the law that it was drawn from.
+// The law's own variance is what the mean is off by more than noise makes it, and `least` at the least.
+static double taken_for(double mean, double variance, double middle, double least)
+{
+    const double off = mean - middle, own = fmax(square(off) - variance, least);
+    return variance > 0.0 ? mean - off * variance / (variance + own) : mean;
+}
+
+static double relative_of(double variance, double mean)
+{
+    return variance / (square(mean) + DARK);
 }
 
 static void count_tail(struct glint_tile_estimate *out, double v)
@@ -141,13 +165,15 @@ static void count_tail(struct glint_tile_estimate *out, double v)
 
 // Adds a pixel whose neighbours have those means; its relative variance.
 static double add_pixel(struct glint_tile_estimate *out, const struct pixel *p,
-                        const double neighbours[3], double weight)
+                        const struct law law[3], double weight)
 {
     const double ta = 1.0 / (1.0 + largest(p->a)), tb = 1.0 / (1.0 + largest(p->b));
     double relative = 0.0, linear = 0.0;
     for (int c = 0; c < 3; c++) {
-        relative += p->v[c] / (square(taken_for(p->m[c], p->v[c], neighbours[c])) + DARK);
-        out->own += p->v[c] / (square(p->m[c]) + DARK);
+        const double m = p->m[c], v = p->v[c];
+        relative += relative_of(v, taken_for(m, v, law[c].middle, law[c].variance));
+        out->most += relative_of(v, taken_for(m, v, law[c].middle, 0.0));
+        out->own += relative_of(v, m);
         linear += p->v[c];
         out->tone += weight * square(p->a[c] * ta - p->b[c] * tb);
     }
@@ -169,9 +195,10 @@ void glint_estimate_tile(struct glint_tile_estimate *out, const struct glint_est
         double left = 0.0;
         for (uint32_t x = 0; x < w; x++) {
             load(&p, in, y * GK_TILE_SIDE + x);
-            const double neighbours[3] = {around(&means, 0, x, y), around(&means, 1, x, y),
-                                          around(&means, 2, x, y)};
-            const double v = add_pixel(out, &p, neighbours, weight_of(in));
+            struct law law[3];
+            for (uint32_t c = 0; c < 3; c++)
+                ask(&law[c], &means, c, x, y);
+            const double v = add_pixel(out, &p, law, weight_of(in));
             if (x % 2)
                 out->spread += square(v - left);
             else if (x + 1 == w)
@@ -223,7 +250,7 @@ void glint_estimate_film(struct glint_film_estimate *out, const struct glint_til
                          uint32_t columns, uint32_t rows, uint64_t pixels)
 {
     uint64_t tail[GLINT_TAIL_BINS] = {0};
-    double relative = 0.0, own = 0.0, spread = 0.0, linear = 0.0, tone = 0.0;
+    double relative = 0.0, own = 0.0, most = 0.0, spread = 0.0, linear = 0.0, tone = 0.0;
     memset(out, 0, sizeof *out);
     for (uint32_t t = 0; t < columns * rows; t++) {
         const uint32_t cell = cell_of(t, columns, rows);
@@ -232,6 +259,7 @@ void glint_estimate_film(struct glint_film_estimate *out, const struct glint_til
         out->spread[cell] += tile[t].spread;
         relative += tile[t].relative;
         own += tile[t].own;
+        most += tile[t].most;
         spread += tile[t].spread;
         linear += tile[t].linear;
         tone += tile[t].tone;
@@ -243,7 +271,7 @@ void glint_estimate_film(struct glint_film_estimate *out, const struct glint_til
                                          .linear = sqrt(linear / (3.0 * (double)pixels)),
                                          .tone_mapped = sqrt(tone / (double)pixels),
                                          .tail = tail_index(tail),
-                                         .lift = own > 0.0 ? sqrt(relative / own) : 1.0};
+                                         .lift = own > 0.0 ? fmax(sqrt(most / own), 1.0) : 1.0};
 }
 
 // ---- what it means

@@ -6,10 +6,12 @@
 // v = sum of n_k (m_k - m)^2 / ((K - 1) n), once each has a sample.
 //
 // Relative errors are v / (m^2 + 0.01). With a pixel's own mean for m a rare bright sample would hide
-// itself, for it lifts both. So m goes from that towards the median of the neighbours' means, where
-// that is darker, by as much as the noise has of the mean, sqrt(v) / mean: all the way where one half
-// has all the light, none as samples grow. The median: of a pixel at a lamp's edge three neighbours are
-// of the lamp, and their mean is brighter than any sample.
+// itself, for it lifts both; with its neighbours' alone what is bright would be taken for chance. So m is
+// the posterior mean of a normal law around the median of the neighbours (Efron and Morris 1973): from the
+// pixel's own mean it goes towards that by v / (v + t), where the law's variance t is what the own
+// mean is off by more than v, (mean - median)^2 - v, or what the neighbours differ among each other,
+// whichever is more. The median: of a pixel at a lamp's edge three neighbours are of the lamp, and their mean
+// is brighter than any sample.
 //
 // How far the sum of v may
 // be off is taken from neighbouring pixels: (v - v')^2 estimates the variance of v + v' where both
@@ -30,6 +32,7 @@
 struct glint_tile_estimate {
     double relative;               // of v / (m^2 + 0.01)
     double own;                    // the same with m the pixel's own mean
+    double most;                   // the same with t only what the pixel's own mean asks for
     double spread;                 // variance of that sum
     double linear;                 // of v
     double tone;                   // of v of T(A) and T(B), T(c) = c / (1 + max(r, g, b))
@@ -70,11 +73,11 @@ double glint_estimate_upper(const struct glint_estimate *e, uint32_t look);
 
 // Whether an estimate may miss what is still to come. Few pixels have much of the variance: Hill's
 // index of the worst hundredth lies below 2.5 with 95 % confidence; or their means are theirs by a few
-// samples: neighbours lift the error by more than 2 %.
+// samples: where neighbours are believed whenever noise allows it, they lift the error by more than 10 %.
 bool glint_estimate_rare(const struct glint_estimate *e);
 
 // Whether it may miss so much that nothing can be said of what is to come but at least: the same with
-// a lift of more than 15 %.
+// a lift of more than 40 %.
 bool glint_estimate_heavy(const struct glint_estimate *e);
 
 // Sample counts at which a job that stops by error looks at itself: 16, 32, then in steps of about

@@ -94,7 +94,7 @@ glint_status glint_film_create(glint_film **out, glint_devices *devices,
         return st;
     }
     for (uint32_t t = 0; t < tiles; t++)
-        clear_depth(f, t);
+        f->tile[t].epoch = GLINT_NO_EPOCH;
     *out = f;
     return GLINT_OK;
 }

@@ -56,8 +56,8 @@ void glint_film_release_coarse(glint_film *film, uint32_t column, uint32_t row, 
                                uint32_t h, uint32_t step);
 
 // Before the first write to the held tiles: copies those that a capture wants as they are, and
-// empties those that are of an older epoch. Returns the number of captures begun so far: one that
-// begins later has what is written now.
+// empties those that are new or of an older epoch: until then a film is no memory in use. Returns
+// the number of captures begun so far: one that begins later has what is written now.
 uint32_t glint_film_prepare(glint_film *film, uint32_t column, uint32_t row, uint32_t w,
                             uint32_t h);
 // The same for a first sample that does not come all at once: nothing is emptied.

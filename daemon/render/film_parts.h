@@ -6,6 +6,9 @@
 
 #include <pthread.h>
 
+// Of a tile that nobody has written to: its memory is not touched before.
+#define GLINT_NO_EPOCH UINT32_MAX
+
 struct glint_tile {
     uint32_t samples, epoch;
     uint16_t readers;

@@ -10,13 +10,13 @@
 #define RECENT 4.0       // the slope is that of the checkpoints since a quarter of the samples
 #define USUAL_SLOPE 1.05 // of scenes there
 #define SLOPE_SPREAD 0.1
-#define LAST_POWER 1.05 // of scenes after many samples
+#define LAST_POWER 1.03 // of scenes after many samples
 #define LAST_SPREAD 0.1
-#define KEPT 0.6        // of what the power is over the last, an octave later
+#define KEPT 0.6 // of what the power is over the last, an octave later
+#define KEPT_SPREAD 0.15
 #define SLOPE_AGE 1.0   // octaves: from the middle of those checkpoints until now
 #define SLOW_POWER 0.85 // no error falls slower: samples do not see all of it yet
 #define UNKNOWN_SPREAD 0.2
-#define MOST_HIDDEN 0.15
 #define LEAST_SPREAD 0.01
 
 // ---- the slope of the last octaves: log(V / n^g) = level - slope * log(n / n_now)
@@ -102,10 +102,10 @@ static bool fit(struct line *out, const struct glint_forecast_input *in)
 }
 
 // Octaves until the logarithm of E^2 has fallen by `fall`: by Newton, from where the last power would
-// be there. The power is last + over KEPT^x after x octaves.
-static double octaves_for(double fall, double last, double over)
+// be there. The power is last + over keeps^x after x octaves.
+static double octaves_for(double fall, double last, double over, double keeps)
 {
-    const double ln2 = log(2.0), rate = -log(KEPT);
+    const double ln2 = log(2.0), rate = -log(keeps);
     double x = fall / (ln2 * last);
     for (int i = 0; i < 20 && x > 0.0; i++) {
         const double kept = exp(-rate * x);
@@ -149,23 +149,16 @@ static double roll_level(struct dice *d, const struct glint_film_estimate *e)
     return sum > 0.0 ? log(fmax(1.0 + moved / sum, 0.01)) : 0.0;
 }
 
-// What rare events may add to it still: up to what neighbours have shown of them, and as much again.
-static double roll_hidden(struct dice *d, const struct glint_estimate *e)
-{
-    const double shown = e->lift > 1.0 ? fmin(log(e->lift), MOST_HIDDEN) : 0.0;
-    return 2.0 * shown * roll(d) / 4294967296.0;
-}
-
 // Both the estimate now and the true error then are those of pictures that chance made.
 static double draw(struct dice *d, const struct line *l, const struct glint_forecast_input *in)
 {
     const double last = fmax(LAST_POWER + LAST_SPREAD * roll_normal(d), 0.8);
     const double slope = fmin(fmax(l->slope + l->slope_spread * roll_normal(d), last), 2.0);
-    const double over = (slope - last) * pow(KEPT, SLOPE_AGE);
-    const double level = l->level + roll_level(d, in->now) + roll_level(d, in->now) +
-                         roll_hidden(d, &in->now->whole);
+    const double keeps = fmin(fmax(KEPT + KEPT_SPREAD * roll_normal(d), 0.1), 0.95);
+    const double over = (slope - last) * pow(keeps, SLOPE_AGE);
+    const double level = l->level + roll_level(d, in->now) + roll_level(d, in->now);
     const double wanted = log(in->target * in->target - in->bias * in->bias);
-    return in->samples * exp2(octaves_for(level - wanted, last, over));
+    return in->samples * exp2(octaves_for(level - wanted, last, over, keeps));
 }
 
 static int ascending(const void *a, const void *b)
@@ -212,15 +205,26 @@ static void take_seconds(struct glint_forecast *out, const double *samples,
     out->seconds[0] = fmax(out->samples[0] - in->samples, 0.0) * pace[in->paces / 2];
 }
 
-// Over the last two octaves the square of the error fell less than samples grew.
+// Of the logarithm of E^2 at two checkpoints, what the later one's samples have of the earlier one's.
+static double spread_of_fall(double before, double now, double ratio)
+{
+    return sqrt(fmax(before * before + now * now - 2.0 * ratio * before * now, 0.0));
+}
+
+// Over the last two octaves the square of the error fell less than samples grew, by more than chance
+// makes of it in one case of twenty.
 static bool falls_slowly(const struct glint_forecast_input *in)
 {
-    const double now = in->now->whole.error;
+    const struct glint_estimate *now = &in->now->whole;
     for (uint32_t i = in->points; i-- > 0;) {
         const struct glint_convergence_point *p = &in->curve[i];
-        const double octaves = log2((double)in->samples / p->samples);
-        if (p->error > 0.0 && octaves >= 2.0)
-            return 2.0 * log2(p->error / now) < SLOW_POWER * octaves;
+        const double ratio = (double)p->samples / in->samples;
+        if (!(p->error > 0.0) || ratio > 1.0 / RECENT)
+            continue;
+        const double chance =
+            isfinite(p->spread) ? spread_of_fall(p->spread, now->spread, ratio) : 0.0;
+        return 2.0 * log(p->error / now->error) + glint_normal_quantile(0.95) * chance <
+               -SLOW_POWER * log(ratio);
     }
     return false;
 }

@@ -274,11 +274,13 @@ static glint_status get_coarse(glint_render *r, glint_film **film, struct glint_
 {
     struct glint_job small = r->job; // borrows
     small.region[2] = small.region[3] = GK_TILE_SIDE << GLINT_COARSE_LOG2;
+    glint_status st = GLINT_OK;
     if (!*film)
-        return glint_film_create(film, r->devices, &r->view->plan, &small,
-                                 glint_film_info_slots(&r->view->info), err);
-    glint_film_clear(*film);
-    return GLINT_OK;
+        st = glint_film_create(film, r->devices, &r->view->plan, &small,
+                               glint_film_info_slots(&r->view->info), err);
+    if (!st)
+        glint_film_clear(*film);
+    return st;
 }
 
 static glint_status run_coarse(glint_render *r, struct glint_worker *worker,

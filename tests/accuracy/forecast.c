@@ -3,7 +3,7 @@
 //
 // usage: forecast record  FOLDER WIDTH HEIGHT SAMPLES SEED SEEDS SCENE.{glb,json} JOB.json
 //        forecast measure FOLDER WIDTH HEIGHT SAMPLES SEED SEEDS
-//        forecast predict FIRST < measured
+//        forecast predict FIRST DIVISOR... < measured
 //        forecast scores  SEEDS SCENE.{glb,json} JOB.json
 //
 // record renders the job, of that size, with seeds SEED, SEED + 1, ... for SAMPLES samples, and keeps
@@ -15,7 +15,7 @@
 //   look,SEED,samples,error,true,linear,true,tone-mapped,true,rare events
 // scores renders the job with seeds 1..SEEDS and prints how many values of pixels there are, and the
 // share that is as near to the truth as it says in 95 of 100 cases; see scores.h.
-// predict reads these and writes, for targets 1/2, 1/4 and 1/8 of the error at FIRST samples,
+// predict reads these and writes, for targets that are the error at FIRST samples over each DIVISOR,
 //   forecast,SEED,divisor,lower bound,samples at which the true error is first that small (0: later),
 //            quantiles of the forecast: .5, then .025 .05 .1 .25 .75 .9 .95 .975
 #include "render/forecast.h"
@@ -29,7 +29,7 @@
 
 #define FIRST_LOOK 16 // samples
 #define MAX_LOOKS 4096
-#define MAX_SEEDS 512 // their numbers
+#define MAX_SEEDS 1024 // their numbers
 
 // ---- what a job says
 
@@ -180,7 +180,7 @@ static double reached(const struct seed *s, double target)
     return 0.0;
 }
 
-static void predict_one(const struct seed *s, uint32_t number, uint32_t first, int divisor)
+static void predict_one(const struct seed *s, uint32_t number, uint32_t first, double divisor)
 {
     static const double level[] = {0.5, 0.025, 0.05, 0.1, 0.25, 0.75, 0.9, 0.95, 0.975};
     double draw[GLINT_FORECAST_DRAWS];
@@ -194,16 +194,10 @@ static void predict_one(const struct seed *s, uint32_t number, uint32_t first, i
     glint_forecast_make(&f, &in);
     if (!glint_forecast_draw(draw, &in))
         return;
-    printf("forecast,%u,%d,%d,%.6g", number, divisor, f.lower_bound, reached(s, in.target));
+    printf("forecast,%u,%g,%d,%.6g", number, divisor, f.lower_bound, reached(s, in.target));
     for (size_t i = 0; i < sizeof level / sizeof *level; i++)
         printf(",%.6g", draw[(int)(level[i] * (GLINT_FORECAST_DRAWS - 1) + 0.5)]);
     puts("");
-}
-
-static void predict(const struct seed *s, uint32_t number, uint32_t first)
-{
-    for (int divisor = 2; divisor <= 8; divisor *= 2)
-        predict_one(s, number, first, divisor);
 }
 
 static void read_cells(struct seed *s, const char *at, uint32_t first)
@@ -243,7 +237,7 @@ static void read_line(struct seed *s, const char *line, const char *at, uint32_t
         s->looks++;
 }
 
-static void predict_all(uint32_t first)
+static void predict(uint32_t first, char **divisor)
 {
     static struct seed seed[MAX_SEEDS];
     static char line[1 << 16];
@@ -256,8 +250,8 @@ static void predict_all(uint32_t first)
         seeds = number >= seeds ? number + 1 : seeds;
     }
     for (number = 0; number < seeds; number++)
-        if (seed[number].looks)
-            predict(&seed[number], number, first);
+        for (char **d = divisor; seed[number].looks && *d; d++)
+            predict_one(&seed[number], number, first, atof(*d));
 }
 
 // ---- pixels
@@ -293,7 +287,7 @@ static int usage(void)
     fprintf(stderr,
             "usage: forecast record  FOLDER WIDTH HEIGHT SAMPLES SEED SEEDS SCENE JOB.json\n"
             "       forecast measure FOLDER WIDTH HEIGHT SAMPLES SEED SEEDS\n"
-            "       forecast predict FIRST < measured\n"
+            "       forecast predict FIRST DIVISOR... < measured\n"
             "       forecast scores  SEEDS SCENE JOB.json\n");
     return 64;
 }
@@ -307,8 +301,8 @@ int main(int argc, char **argv)
         forecast_film_record(argv[8], argv[9], &films);
     else if (argc == 8 && !strcmp(argv[1], "measure"))
         measure(&films);
-    else if (argc == 3 && !strcmp(argv[1], "predict"))
-        predict_all((uint32_t)atoi(argv[2]));
+    else if (argc > 3 && !strcmp(argv[1], "predict"))
+        predict((uint32_t)atoi(argv[2]), argv + 3);
     else if (argc == 5 && !strcmp(argv[1], "scores"))
         score((uint32_t)atoi(argv[2]), argv[3], argv[4]);
     else

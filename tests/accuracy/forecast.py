@@ -1,14 +1,15 @@
 #!/usr/bin/python3
 """What jobs say of their own error and of the samples they need, beside what is true.
 
-usage: tests/accuracy/forecast.py BUILD OUT [--raw FOLDER] [--seed 1] [--seeds 16] [--first 32]...
-                                  [--samples 2048] [--size 32x16] [--only SCENE]...
+usage: tests/accuracy/forecast.py BUILD OUT [--raw FOLDER] [--seed 1] [--seeds 16] [--samples 2048]
+                                  [--size 32x16] [--only SCENE]... [--estimates]
 
 Scenes are those of glint-demo-scene and, where the variable GLINT_SCENES names a folder, some from
 there. Each is rendered once for every seed, by one worker. FOLDER keeps their films: what is there is
 not rendered again, so that a run that was stopped goes on, and a change of estimates or forecasts is
 measured on the same films. OUT gets estimates.csv, scores.csv, forecasts.csv and
-calibration.svg.
+calibration.svg; with --estimates the first alone. Its spreads are standard deviations of the ratios
+beside them, from leaving out seed by seed.
 """
 import argparse
 import csv
@@ -27,8 +28,15 @@ OTHERS = ["interiors/cornell-box.glb", "interiors/staircase2.glb", "interiors/ve
           "chess/chess_set_glass.gltf"]
 LOOKS = [32, 64, 128, 256, 512, 1024, 2048]
 SCORED = 256  # samples of the pixels that are scored
+TARGETS = {32: (2, 4, 8), 64: (2, 4, 8), 256: (1.414, 2, 2.828)}  # samples: what the error is divided by
 NEAR = 4  # divisors of the error up to this are reached within the samples that are taken
 LEVELS = {50: (4, 5), 80: (3, 6), 90: (2, 7), 95: (1, 8)}  # quantiles of a forecast, by their place
+
+RATIOS = ["error", "linear", "tone", "spread"]
+ESTIMATES = ["scene", "samples", "seeds", *RATIOS, "unflagged", *("unflagged_" + r for r in RATIOS)]
+FORECASTS = ["first", "scene", "seeds", "forecasts", "not_reached", "judged", "median", "median_near", "in_50",
+             "in_80", "in_90", "in_95", "bounds", "bounds_hold", "bounds_median", "bounds_in_90",
+             "all_hold"]
 
 
 def pack(gltf):
@@ -116,22 +124,33 @@ def looks_of(measured):
 
 
 def forecasts_of(options, first, measured):
-    text = subprocess.run([options.build / "tests/accuracy/forecast", "predict", str(first)], check=True, input=measured,
+    program = [options.build / "tests/accuracy/forecast", "predict", first, *TARGETS[first]]
+    text = subprocess.run([str(word) for word in program], check=True, input=measured,
                           stdout=subprocess.PIPE).stdout.decode()
     return [[float(x) for x in line.split(",")[1:]] for line in text.splitlines()]
 
 
 def ratio(rows, column):
-    if not rows:
-        return ""
-    return f"{math.sqrt(sum(r[column] ** 2 for r in rows) / sum(r[column + 1] ** 2 for r in rows)):.4f}"
+    return math.sqrt(sum(r[column] ** 2 for r in rows) / sum(r[column + 1] ** 2 for r in rows))
+
+
+def jackknife(rows, column):
+    """The standard deviation of the ratio. Source: Tukey 1958."""
+    n = len(rows)
+    without = [ratio(rows[:i] + rows[i + 1:], column) for i in range(n)]
+    return math.sqrt((n - 1) / n * sum((r - sum(without) / n) ** 2 for r in without))
+
+
+def ratios(rows):
+    """The ratios of all three errors, and the spread of the first."""
+    said = [f"{ratio(rows, c):.4f}" for c in (0, 2, 4)] if rows else [""] * 3
+    return said + [f"{jackknife(rows, 0):.4f}" if len(rows) > 1 else ""]
 
 
 def estimate_rows(name, looks):
     for samples, rows in sorted(looks.items()):
         sound = [r for r in rows if not r[6]]
-        yield [name, samples, len(rows), *(ratio(rows, c) for c in (0, 2, 4)), len(sound),
-               *(ratio(sound, c) for c in (0, 2, 4))]
+        yield [name, samples, len(rows), *ratios(rows), len(sound), *ratios(sound)]
 
 
 def median(values):
@@ -148,35 +167,37 @@ def held(forecasts, low, high, last):
 
 
 def row_of(mine, last):
-    """Forecasts; then those that were given as lower bounds, and what they would have been worth."""
+    """Forecasts; then those that were given as lower bounds, and what they would have been worth; and
+    the share of all that were right in what they said."""
     said, low = [f for f in mine if not f[2]], [f for f in mine if f[2]]
     row = [len(mine), sum(f[3] == 0 for f in mine), len(said)]
     row.append(f"{median([f[4] / (f[3] or last) for f in said]):.3f}" if said else "")
     near = [f for f in said if f[1] <= NEAR]
     row.append(f"{median([f[4] / (f[3] or math.inf) for f in near]):.3f}" if near else "")
     row += [held(said, *ends, last) for ends in LEVELS.values()]
-    bounds = sum(f[3] == 0 or f[3] >= f[6] for f in low)
-    row += [len(low), f"{bounds / len(low):.3f}" if low else ""]
+    known = [f for f in low if f[3] or f[6] <= last]
+    bounds = sum(f[3] == 0 or f[3] >= f[6] for f in known)
+    row += [len(low), f"{bounds / len(known):.3f}" if known else ""]
     row.append(f"{median([f[4] / (f[3] or last) for f in low]):.3f}" if low else "")
-    return row + [held(low, *LEVELS[90], last)]
+    right = [f for f in said if f[3] or f[4 + LEVELS[90][1]] <= last]
+    held_all = bounds + sum(f[6] < f[3] < f[11] for f in right)
+    return row + [held(low, *LEVELS[90], last), f"{held_all / (len(known) + len(right)):.3f}"]
 
 
-def report(first, forecasts, last, out):
+def report(first, forecasts, last):
     """Scene by scene, then all, with odd seeds and with even ones."""
     groups = [(name, "all", [f for n, f in forecasts if n == name])
               for name in sorted({n for n, _ in forecasts})]
     groups += [("all", which, [f for _, f in forecasts if f[0] % 2 in parity])
                for which, parity in (("all", (0, 1)), ("odd", (1,)), ("even", (0,)))]
     for name, which, mine in groups:
-        row = [first, name, which, *row_of(mine, last)]
-        out.writerow(row)
-        print(*row, sep=",")
+        yield [first, name, which, *row_of(mine, last)]
 
 
 def plot(forecasts, path):
     said = [(f[1][3], f[1][4]) for f in forecasts if not f[1][2] and f[1][3] > 0]
     flagged = [(f[1][3], f[1][4]) for f in forecasts if f[1][2] and f[1][3] > 0]
-    every = [v for p in said + flagged for v in p]
+    every = [v for p in said + flagged for v in p] or [1]
     low, high = math.log(min(every) * 0.8), math.log(max(every) * 1.25)
     at = lambda v: 40 + 340 * (math.log(v) - low) / (high - low)
     dot = lambda p, style: f'<circle cx="{at(p[0]):.1f}" cy="{400 - at(p[1]):.1f}" r="2" {style}/>'
@@ -197,6 +218,13 @@ def plot(forecasts, path):
     path.write_text("\n".join(parts) + "\n")
 
 
+def write(path, columns, rows):
+    with open(path, "w", newline="", encoding="utf-8") as f:
+        out = csv.writer(f, lineterminator="\n")
+        out.writerow(columns)
+        out.writerows(rows)
+
+
 def main():
     p = argparse.ArgumentParser()
     p.add_argument("build", type=pathlib.Path)
@@ -204,42 +232,33 @@ def main():
     p.add_argument("--raw", type=pathlib.Path)
     p.add_argument("--seed", type=int, default=1)
     p.add_argument("--seeds", type=int, default=16)
-    p.add_argument("--first", type=int, action="append")
     p.add_argument("--samples", type=int, default=2048)
     p.add_argument("--size", default="32x16")
     p.add_argument("--only", action="append")
+    p.add_argument("--estimates", action="store_true")
     options = p.parse_args()
     options.build = options.build.resolve()
     options.out.mkdir(parents=True, exist_ok=True)
     options.raw = options.raw or options.out / "films"
-    options.first = options.first or [32, 64]
     options.size = [int(side) for side in options.size.split("x")]
-    estimates, forecasts, scores = [], {first: [] for first in options.first}, []
+    estimates, forecasts, scores = [], {first: [] for first in TARGETS}, []
     with tempfile.TemporaryDirectory() as folder:
         for name, path in scenes(options.build, pathlib.Path(folder)):
             if options.only and name not in options.only:
                 continue
             measured = measure(options, name, path, pathlib.Path(folder))
-            scores.append([name, 8, SCORED, *scores_of(options, name, path, pathlib.Path(folder))])
             estimates += estimate_rows(name, looks_of(measured))
+            if options.estimates:
+                continue
+            scores.append([name, 8, SCORED, *scores_of(options, name, path, pathlib.Path(folder))])
             for first, made in forecasts.items():
                 made += [(name, f) for f in forecasts_of(options, first, measured)]
-    with open(options.out / "estimates.csv", "w", newline="") as f:
-        out = csv.writer(f, lineterminator="\n")
-        out.writerow(["scene", "samples", "seeds", "error", "linear", "tone", "unflagged",
-                      "unflagged_error", "unflagged_linear", "unflagged_tone"])
-        out.writerows(estimates)
-    with open(options.out / "scores.csv", "w", newline="") as f:
-        out = csv.writer(f, lineterminator="\n")
-        out.writerow(["scene", "seeds", "samples", "values", "inside"])
-        out.writerows(scores)
-    with open(options.out / "forecasts.csv", "w", newline="") as f:
-        out = csv.writer(f, lineterminator="\n")
-        out.writerow(["first", "scene", "seeds", "forecasts", "not_reached", "judged", "median", "median_near", "in_50", "in_80",
-                      "in_90", "in_95", "bounds", "bounds_hold", "bounds_median", "bounds_in_90"])
-        for first, made in forecasts.items():
-            report(first, made, options.samples, out)
-    plot(sum(forecasts.values(), []), options.out / "calibration.svg")
+    write(options.out / "estimates.csv", ESTIMATES, estimates)
+    if not options.estimates:
+        write(options.out / "scores.csv", ["scene", "seeds", "samples", "values", "inside"], scores)
+        write(options.out / "forecasts.csv", FORECASTS,
+              [row for first, made in forecasts.items() for row in report(first, made, options.samples)])
+        plot(sum(forecasts.values(), []), options.out / "calibration.svg")
 
 
 if __name__ == "__main__":

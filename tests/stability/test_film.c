@@ -340,10 +340,9 @@ static bool run_backwards(glint_render *render)
     return any;
 }
 
-static void order_of_slices_and_returned_ones_change_no_bit(void **state)
+static void assert_order_changes_nothing(const char *text)
 {
-    (void)state;
-    glint_resident *scene = offline_load_text(&o, (const char *)*state);
+    glint_resident *scene = offline_load_text(&o, text);
     glint_render *render = begin(scene, 24);
     while (run_backwards(render))
         ;
@@ -354,6 +353,26 @@ static void order_of_slices_and_returned_ones_change_no_bit(void **state)
     glint_frame_destroy(&whole);
     glint_render_destroy(&render);
     glint_resident_release(&scene);
+}
+
+static void order_of_slices_and_returned_ones_change_no_bit(void **state)
+{
+    assert_order_changes_nothing(*state);
+}
+
+// What scatters in fog on its way to nothing chose its light by what another ray had hit.
+static void order_of_slices_changes_no_bit_in_fog(void **state)
+{
+    (void)state;
+    char *text = stable_text(
+        "{'materials':{'grey':{},'lamp':{'base_color':[0,0,0],'emission':[5,4,3]}},"
+        "'meshes':{'s':{'primitive':'sphere','segments':12}},"
+        "'instances':{'a':{'mesh':'s','material':'grey'},'l':{'mesh':'s','material':'lamp',"
+        "'transform':{'translation':[1.5,1,0],'scale':[0.3,0.3,0.3]}}},"
+        "'media':{'fog':{'density':0.3}},'environment':{'radiance':[0.1,0.1,0.1]},"
+        "'cameras':{'eye':{'yfov':0.9,'transform':{'translation':[0,0,4]}}}}");
+    assert_order_changes_nothing(text);
+    free(text);
 }
 
 static int start(void **state)
@@ -380,6 +399,7 @@ int main(void)
         cmocka_unit_test(sample_that_is_not_finite_counts_as_zero_and_is_counted),
         cmocka_unit_test(render_stopped_at_n_and_run_on_is_one_render),
         cmocka_unit_test(order_of_slices_and_returned_ones_change_no_bit),
+        cmocka_unit_test(order_of_slices_changes_no_bit_in_fog),
     };
     return cmocka_run_group_tests(tests, start, finish);
 }
