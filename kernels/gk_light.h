@@ -169,6 +169,14 @@ GK_INLINE gk_u32 gk_alias_choose(const GK_GLOBAL struct gk_alias *table, gk_u32 
 #endif
 }
 
+// Where the unit square's (u, v) lies on a triangle, uniformly, by folding it (Heitz 2019).
+GK_INLINE void gk_light_point(gk_f32 u, gk_f32 v, gk_f32 *s, gk_f32 *t)
+{
+    const gk_i32 upper = v > u;
+    *s = upper ? u * 0.5f : u - v * 0.5f;
+    *t = upper ? v - u * 0.5f : v * 0.5f;
+}
+
 // Light `index` of the table as seen from p, chosen with probability `choice`.
 GK_INLINE struct gk_light_sample gk_light_from_table(const GK_GLOBAL struct gk_light *lights,
                                                      gk_u32 index, struct gk_light_keys keys,
@@ -184,10 +192,8 @@ GK_INLINE struct gk_light_sample gk_light_from_table(const GK_GLOBAL struct gk_l
     s.material = GK_LIGHT(lights, index, material);
     s.delta = kind != GK_LIGHT_TRIANGLE;
 
-    // Uniform on the triangle by folding the unit square (Heitz 2019).
-    const gk_i32 upper = v > u;
-    const gk_f32 s1 = upper ? u * 0.5f : u - v * 0.5f;
-    const gk_f32 s2 = upper ? v - u * 0.5f : v * 0.5f;
+    gk_f32 s1, s2;
+    gk_light_point(u, v, &s1, &s2);
     const gk_i32 turned = (flags & GK_LIGHT_TURNED) != 0u;
     s.u = turned ? s2 : s1;
     s.v = turned ? s1 : s2;

@@ -103,7 +103,9 @@ GK_INLINE struct gk_light_pick gk_grid_choose(const struct gk_light_grid *g,
     const gk_f32 keep = gk_as_f32(gk_grid_word(g, member));
     struct gk_light_pick p;
     p.light = gk_grid_word(g, member + (gk_light_pair_below(r, keep) ? 1u : 2u));
-    p.choice = gk_grid_choice(g, p.light);
+    const gk_u32 owner = g->first_owner + p.light * GK_GRID_OWNER; // of the same cluster
+    p.choice = gk_as_f32(gk_grid_word(g, g->cell + cluster * GK_GRID_ENTRY + 1u)) *
+               gk_as_f32(gk_grid_word(g, owner + 1u));
     return p;
 }
 
@@ -118,14 +120,33 @@ GK_INLINE gk_i32 gk_grid_many(const struct gk_light_grid *g)
 #endif
 }
 
-// What a sample would bring if nothing were in the way, over its density.
-GK_INLINE gk_f32 gk_light_promise(const struct gk_light_sample *s,
-                                  const struct gk_light_receiver *to)
+// What gk_light_from_table() would bring from (u, v) of a light if nothing were in the way, over its
+// density, less the lift off the emitter: one division, for there are many of these.
+GK_INLINE gk_f32 gk_light_promise(const GK_GLOBAL struct gk_light *lights, gk_u32 index,
+                                  const struct gk_light_receiver *to, gk_f32 choice, gk_f32 u,
+                                  gk_f32 v)
 {
-    const gk_f32 cosine = gk_dot(s->wi, to->n);
+    const struct gk_light_place at = gk_light_place_at(lights, index, to->keys);
+    const gk_u32 flags = GK_LIGHT(lights, index, kind), kind = flags & GK_LIGHT_KIND;
+    const gk_i32 triangle = kind == GK_LIGHT_TRIANGLE, sun = kind == GK_LIGHT_SUN;
+    gk_f32 s, t;
+    gk_light_point(u, v, &s, &t);
+    const struct gk_vec point =
+        gk_along(gk_along(at.p, at.a, triangle ? s : 0.0f), at.b, triangle ? t : 0.0f);
+    const struct gk_vec way = gk_vec_select(gk_sub(point, to->x), at.p, sun);
+    const gk_f32 d2 = gk_max(gk_dot(way, way), 1e-37f);
+    const gk_f32 over = 1.0f / gk_max(d2 * choice, 1e-37f);
+    const gk_f32 over_d = gk_sqrt(over * choice);
+
+    const gk_f32 outward = -gk_dot(way, gk_cross(at.a, at.b)); // cosine, times way and twice area
+    const gk_f32 shown = outward > 0.0f || (flags >> 4) != 0u ? 0.5f * gk_abs(outward) : 0.0f;
+    const gk_f32 cone = gk_clamp((-gk_dot(way, at.a) * over_d - at.b.x) * at.b.y, 0.0f, 1.0f);
+    const gk_f32 sent = triangle ? shown * over_d : sun ? 1.0f : cone * cone;
+    const gk_f32 cosine = gk_dot(way, to->n) * over_d;
     const gk_f32 weight = cosine > 0.0f ? cosine : -cosine * to->behind;
     const gk_i32 surface = gk_dot(to->n, to->n) > 0.0f;
-    const gk_f32 promise = gk_mean3(s->L) * (surface ? weight : 1.0f) / s->pdf;
+    const struct gk_vec L = GK_TRIPLE(GK_LIGHT, lights, index, L, 0);
+    const gk_f32 promise = gk_mean3(L) * (surface ? weight : 1.0f) * sent * over;
     return promise > 0.0f ? gk_min(promise, 1e36f) : 0.0f; // NaN too
 }
 
@@ -152,9 +173,7 @@ GK_INLINE struct gk_light_fold gk_grid_fold(struct gk_light_fold f, const struct
     struct gk_light_pick c = gk_grid_choose(g, &pair);
     c.choice *= share;
     const gk_f32 s = gk_unit_float(pair.u), t = pair.v;
-    const struct gk_light_sample brings =
-        gk_light_from_table(lights, c.light, to->keys, to->x, c.choice, s, t);
-    const gk_f32 promise = gk_light_promise(&brings, to);
+    const gk_f32 promise = gk_light_promise(lights, c.light, to, c.choice, s, t);
     const gk_f32 sum = f.sum + (counts ? promise : 0.0f);
     const gk_f32 at = f.u * sum;
     const gk_i32 take = counts && at < promise;
@@ -165,7 +184,7 @@ GK_INLINE struct gk_light_fold gk_grid_fold(struct gk_light_fold f, const struct
     n.t = take ? t : f.t;
     n.promise = take ? promise : f.promise;
     n.sum = sum;
-    const gk_f32 rest = take ? at / promise : (at - promise) / gk_max(f.sum, 1e-37f);
+    const gk_f32 rest = (take ? at : at - promise) / (take ? promise : gk_max(f.sum, 1e-37f));
     n.u = counts && sum > 0.0f ? gk_clamp(rest, 0.0f, 1.0f - GK_UNIT) : f.u;
     return n;
 }

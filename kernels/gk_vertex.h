@@ -218,6 +218,13 @@ GK_INLINE struct gk_vertex gk_vertex_load(const GK_GLOBAL gk_f32 *wave, gk_u32 s
     raw.geometry = x.missed ? 0u : raw.geometry;
     raw.instance = x.missed ? GK_NONE : raw.instance;
     raw.primitive = x.missed ? 0u : raw.primitive;
+#ifdef GK_MEDIUM
+    // A way to nothing that ends in the medium has its light chosen as if by a surface: not by what
+    // the row held before.
+    raw.u = x.missed ? 0.0f : raw.u;
+    raw.v = x.missed ? 0.0f : raw.v;
+    raw.ng = gk_vec_select(raw.ng, gk_negate(x.path.d), x.missed);
+#endif
     x.lane = gk_lane_at(rect, x.path.lane, frame->seed);
     x.order =
         gk_sample_order(x.lane.base, x.lane.index, GK_PAIR_BOUNCE(x.path.depth, GK_PAIR_ORDER));

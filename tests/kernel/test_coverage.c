@@ -111,6 +111,22 @@ static void the_running_sums_give_the_exact_variance(void **state)
     }
 }
 
+// What scatters at x_1 alone, over n equal ways: n^2 of them by Eq. 2, n by Eq. 3, which is never less.
+static void of_one_scattering_eq3_has_an_nth_over_n_equal_ways(void **state)
+{
+    (void)state;
+    struct gk_spread exact = gk_spread_scatter(gk_spread_none(), 0.25f), eq3 = exact;
+    for (int n = 1; n <= VERTICES; n++) {
+        exact = gk_spread_advance(exact, 2.0f, 0);
+        eq3 = gk_spread_advance(eq3, 2.0f, 1);
+        const double all = exact.s2 + (double)exact.since * exact.since * exact.last;
+        const double less = eq3.s2 + (double)eq3.since * eq3.since * eq3.last;
+        assert_true(all == (double)n * n && less == n);
+        exact = gk_spread_scatter(exact, 0.0f);
+        eq3 = gk_spread_scatter(eq3, 0.0f);
+    }
+}
+
 static double plain_weight(double part, double rest, double alpha)
 {
     const double s2 = part + rest > 0.0 ? rest / (part + rest) : 1.0;
@@ -302,6 +318,7 @@ int main(void)
         cmocka_unit_test(the_variance_of_a_lobe_is_that_of_the_printed_form),
         cmocka_unit_test(the_variance_of_a_lobe_has_its_limits),
         cmocka_unit_test(the_running_sums_give_the_exact_variance),
+        cmocka_unit_test(of_one_scattering_eq3_has_an_nth_over_n_equal_ways),
         cmocka_unit_test(weights_are_those_of_the_plain_forms),
         cmocka_unit_test(a_weight_is_never_outside_of_0_and_1),
         cmocka_unit_test(nothing_added_to_nothing_keeps_all),

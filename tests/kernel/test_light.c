@@ -1,5 +1,5 @@
 // Light sampling: directions and points come with the density that is stated for them.
-#include "kernels/gk_light.h"
+#include "kernels/gk_light_grid.h"
 #include "tests/kernel/check.h"
 
 enum { WIDTH = 16, HEIGHT = 8, CELLS = WIDTH * HEIGHT, FINE = 4, N = 1000000 };
@@ -278,6 +278,67 @@ static void the_sun_is_infinitely_far_and_does_not_fall_off(void **state)
     assert_true(s.delta && isinf(s.distance) && s.wi.y == 1 && s.L.x == 10);
 }
 
+// What gk_light_from_table() brings to a receiver, over its density.
+static double brought(const struct gk_light *light, const struct gk_light_receiver *to, float u,
+                      float v)
+{
+    const struct gk_light_sample s = gk_light_from_table(light, 0, still, to->x, 0.125f, u, v);
+    const double cosine = gk_dot(s.wi, to->n);
+    const double weight = cosine > 0 ? cosine : -cosine * to->behind;
+    return gk_mean3(s.L) / s.pdf * (gk_dot(to->n, to->n) > 0 ? weight : 1);
+}
+
+// Of what open space gets, what a candidate's point changes by, for it is not lifted off its emitter:
+// that over the height of the receiver above the emitter's plane, for the emitter's cosine, the
+// distance and the receiver's cosine.
+static double unlifted(const struct gk_light *light, struct gk_vec x)
+{
+    if ((light->kind & GK_LIGHT_KIND) != GK_LIGHT_TRIANGLE)
+        return 0.0;
+    const struct gk_vec p = gk_vec(light->p[0], light->p[1], light->p[2]),
+                        n = gk_normalise(gk_cross(gk_vec(light->a[0], light->a[1], light->a[2]),
+                                                  gk_vec(light->b[0], light->b[1], light->b[2])));
+    const double height = fabsf(gk_dot(gk_sub(x, p), n));
+    const double lift = gk_point_error(gk_splat(3), 0.0f); // none of its coordinates is above 3
+    return 4.0 * lift / fmax(height - lift, 1e-37);
+}
+
+// Of both kinds of triangles, spots and suns; on a surface, on one that lets light through, and in
+// open space. 2e-5 of what open space gets for the rounding, and 1e-4 of some 10, for the rim of a
+// spot.
+static void what_a_candidate_promises_is_what_its_light_brings(void **state)
+{
+    (void)state;
+    struct gk_light light[4] = {triangle,
+                                triangle,
+                                {.p = {0.2f, 0.1f, 2},
+                                 .a = {0, 0, -1},
+                                 .b = {0.3f, 1 / (0.9f - 0.3f), 0},
+                                 .L = {12, 3, 6},
+                                 .kind = GK_LIGHT_POINT},
+                                {.p = {0.6f, 0.8f, 0}, .L = {5, 1, 3}, .kind = GK_LIGHT_SUN}};
+    light[1].kind |= 1u << 4;
+    uint64_t seed = odds_seed(16);
+    int lit = 0;
+    for (int i = 0; i < 40000; i++) {
+        float r[8]; // drawn in this order, whatever the compiler
+        for (int k = 0; k < 8; k++)
+            r[k] = check_uniform(&seed);
+        const struct gk_vec n = gk_normalise(gk_vec(r[0] - 0.5f, r[1] - 0.5f, r[2] - 0.5f));
+        const struct gk_light_receiver to = {gk_vec(2 * r[3] - 1, 2 * r[4] - 1, 4 * r[5] - 2),
+                                             i % 3 == 0 ? gk_splat(0) : n, i % 3 == 1 ? 1.0f : 0.0f,
+                                             still};
+        const float u = r[6], v = r[7];
+        const struct gk_light *l = &light[i % 4];
+        const struct gk_light_receiver open = {to.x, gk_splat(0), 0, still};
+        const double expected = brought(l, &to, u, v), most = brought(l, &open, u, v);
+        assert_within(gk_light_promise(l, 0, &to, 0.125f, u, v) - expected,
+                      (2e-5 + unlifted(l, to.x)) * most + 1e-4);
+        lit += expected > 0;
+    }
+    assert_true(lit > 10000);
+}
+
 // From pdfs of 2^-100 to 2^100, and with one technique that cannot or can only take the direction.
 static void weights_of_two_techniques_sum_to_one(void **state)
 {
@@ -373,6 +434,7 @@ int main(void)
         cmocka_unit_test(one_sided_emitters_are_dark_from_behind),
         cmocka_unit_test(punctual_lights_fall_off_with_the_square),
         cmocka_unit_test(the_sun_is_infinitely_far_and_does_not_fall_off),
+        cmocka_unit_test(what_a_candidate_promises_is_what_its_light_brings),
         cmocka_unit_test(weights_of_two_techniques_sum_to_one),
         cmocka_unit_test(alias_table_chooses_by_weight),
         cmocka_unit_test(one_pair_takes_a_light_by_weight_and_a_uniform_point_on_it),

@@ -9,7 +9,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { WIDTH = 48, HEIGHT = 32, PIXELS = WIDTH * HEIGHT, SAMPLES = 64, SEEDS = 4, LAMPS = 2000 };
+enum { WIDTH = 48, HEIGHT = 32, PIXELS = WIDTH * HEIGHT, SAMPLES = 64, LAMPS = 2000 };
+
+// Frames of an estimator. Of four frames the error that is promised is known to 12 %, for a few pixels
+// have most of it; of 32 to 4 %.
+enum { FEW = 4, MANY = 32 };
 
 #define YFOV 1.1
 #define ALBEDO 0.5
@@ -284,39 +288,39 @@ struct spread {
     double rmse, mean, error;
 };
 
-static struct spread spread_of(double frame[SEEDS][PIXELS])
+static struct spread spread_of(double (*frame)[PIXELS], int frames)
 {
     struct spread s = {0};
     double variance = 0.0;
     for (int i = 0; i < PIXELS; i++) {
         double sum = 0.0, square = 0.0;
-        for (int k = 0; k < SEEDS; k++) {
+        for (int k = 0; k < frames; k++) {
             sum += frame[k][i];
             square += frame[k][i] * frame[k][i];
         }
-        variance += (square - sum * sum / SEEDS) / (SEEDS - 1);
-        s.mean += sum / SEEDS;
+        variance += (square - sum * sum / frames) / (frames - 1);
+        s.mean += sum / frames;
     }
     s.mean /= PIXELS;
     s.rmse = sqrt(variance / PIXELS);
-    s.error = s.rmse / sqrt(PIXELS * SEEDS);
+    s.error = s.rmse / sqrt((double)PIXELS * frames);
     return s;
 }
 
-static struct spread spread_of_setting(const char *lights)
+static struct spread spread_of_setting(const char *lights, int frames)
 {
-    static double frame[SEEDS][PIXELS];
-    for (int k = 0; k < SEEDS; k++)
+    static double frame[MANY][PIXELS];
+    for (int k = 0; k < frames; k++)
         render_frame(lights, k + 1, frame[k]);
-    return spread_of(frame);
+    return spread_of(frame, frames);
 }
 
 static struct spread spread_of_standard(void)
 {
-    static double frame[SEEDS][PIXELS];
-    for (int k = 0; k < SEEDS; k++)
+    static double frame[FEW][PIXELS];
+    for (int k = 0; k < FEW; k++)
         standard_frame(frame[k]);
-    return spread_of(frame);
+    return spread_of(frame, FEW);
 }
 
 static void say(const char *what, struct spread s, double standard)
@@ -343,8 +347,10 @@ static void the_camera_sees_no_lamp(void **state)
 static void error_is_near_that_of_the_true_distribution(void **state)
 {
     (void)state;
-    const struct spread standard = spread_of_standard(), spatial = spread_of_setting("spatial"),
-                        power = spread_of_setting("power"), uniform = spread_of_setting("uniform");
+    const struct spread standard = spread_of_standard(),
+                        spatial = spread_of_setting("spatial", MANY),
+                        power = spread_of_setting("power", FEW),
+                        uniform = spread_of_setting("uniform", FEW);
     say("standard", standard, standard.rmse);
     say("spatial", spatial, standard.rmse);
     say("power", power, standard.rmse);

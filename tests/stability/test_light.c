@@ -245,6 +245,63 @@ static void roughness_near_zero_continues_roughness_zero(void **state)
     free(uri);
 }
 
+// ---- more lamps than are all asked
+
+enum { LAMPS = 40 }; // more than a grid is made from, fewer than sixteen candidates are drawn of
+
+// Writes lamps around the origin of the plane z = 0: half of them low, at -x, half high, at +x.
+// Returns what the low ones bring there, seen as radiance of a white surface.
+static double print_lamps(FILE *text)
+{
+    uint64_t seed = 5;
+    double sum = 0.0;
+    for (int i = 0; i < LAMPS; i++) {
+        const bool low = i % 2 == 0;
+        const float power = (float)(1.0 + 2.0 * stable_random(&seed));
+        const float x = (float)(1.0 + stable_random(&seed)) * (low ? -1 : 1);
+        const float y = (float)(2.0 * stable_random(&seed) - 1.0);
+        const float z = (float)((low ? 0.25 : 2.0) * (1.0 + stable_random(&seed)));
+        const double square = (double)x * x + (double)y * y + (double)z * z;
+        fprintf(text,
+                "%s'l%d':{'type':'point','intensity':%.9g,'transform':{'translation':"
+                "[%.9g,%.9g,%.9g]}}",
+                i ? "," : "", i, power, x, y, z);
+        sum += low ? power * z / (square * sqrt(square)) / M_PI : 0.0;
+    }
+    return sum;
+}
+
+// A sheet hides the high lamps, which promise most. n = 262144, s = 0.5 of what is seen, so that a
+// bias of d = 0.008 of it shows.
+static void lamps_in_a_grid_bring_what_each_of_them_does(void **state)
+{
+    (void)state;
+    char *lamps = NULL;
+    size_t size = 0;
+    FILE *text = open_memstream(&lamps, &size);
+    assert_non_null(text);
+    const double want = print_lamps(text);
+    fclose(text);
+    char *scene = stable_text(
+        "{'lights':{%s},'materials':{'m':{'ior':1,'base_color':[1,1,1]},"
+        "'black':{'ior':1,'base_color':[0,0,0]}},"
+        "'meshes':{'q':{'primitive':'quad','size':[9,9]}},"
+        "'instances':{'floor':{'mesh':'q','material':'m'},'sheet':{'mesh':'q','material':'black',"
+        "'transform':{'translation':[4.501,0,0.2]}}},'cameras':{'eye':{'projection':"
+        "'orthographic','ymag':1e-4,'transform':{'translation':[0,0,0.1]}}}}",
+        lamps);
+    free(lamps);
+    struct glint_frame *f =
+        stable_frame(&offline_crew, scene,
+                     stable_text("{'scene':'s','outputs':['beauty'],'resolution':[32,32],"
+                                 "'max_bounces':1,'stop':{'samples':%u}}",
+                                 odds_samples(256)));
+    const struct stable_mean seen = stable_mean(f, "G");
+    print_message("# %.6g of %.6g, 1 se %.2g\n", seen.mean, want, seen.error);
+    assert_odds(seen.mean - want, seen.error, 1e-4 * want);
+    glint_frame_destroy(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -255,6 +312,7 @@ int main(void)
         cmocka_unit_test(grazing_views_are_finite_and_gain_nothing),
         cmocka_unit_test(normals_below_the_horizon_leak_nothing_through_a_wall),
         cmocka_unit_test(roughness_near_zero_continues_roughness_zero),
+        cmocka_unit_test(lamps_in_a_grid_bring_what_each_of_them_does),
     };
     return cmocka_run_group_tests(tests, offline_crew_start, offline_crew_finish);
 }

@@ -105,6 +105,25 @@ static void white_fog_in_white_light_is_invisible(void **state)
         }
 }
 
+// Nor can it in a closed room whose walls glow alike: each vertex in the fog weighs what light samples
+// find there against what its own directions do.
+static void white_fog_in_a_glowing_room_is_invisible(void **state)
+{
+    (void)state;
+    const double g[] = {0, 0.7, -0.7};
+    for (size_t i = 0; i < sizeof g / sizeof *g; i++) {
+        char *scene = stable_text(
+            "{" BLACK "'materials':{'glow':{'base_color':[0,0,0],'ior':1,'emission':[1,1,1]}},"
+            "'meshes':{'room':{'primitive':'box','size':[12,12,12]}},"
+            "'instances':{'room':{'mesh':'room','material':'glow'}},"
+            "'media':{'fog':{'density':1,'albedo':[1,1,1],'g':%.9g,'box':[-1,-1,-1,1,1,1]}}," EYE(
+                4) "}",
+            g[i]);
+        assert_mean(mean_of(scene, "'resolution':[16,16],'max_bounces':256,'stop':{'samples':256}"),
+                    1.0, 1e-5);
+    }
+}
+
 static void fog_of_density_zero_is_none(void **state)
 {
     (void)state;
@@ -393,6 +412,7 @@ int main(void)
         cmocka_unit_test(light_samples_are_dimmed_by_the_fog_they_cross),
         cmocka_unit_test(fog_scatters_the_sun_once_as_the_integral_says),
         cmocka_unit_test(white_fog_in_white_light_is_invisible),
+        cmocka_unit_test(white_fog_in_a_glowing_room_is_invisible),
         cmocka_unit_test(fog_of_density_zero_is_none),
         cmocka_unit_test(fog_and_lenses_of_any_scale_keep_their_bits),
         cmocka_unit_test(impenetrable_fog_ends),
