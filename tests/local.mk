@@ -35,6 +35,7 @@ UNIT_TESTS = \
 	tests/render/test_film_merge \
 	tests/render/test_film_restore \
 	tests/render/test_coarse \
+	tests/render/test_cones \
 	tests/render/test_sketched \
 	tests/render/test_flow \
 	tests/render/test_many_lights \
@@ -42,6 +43,7 @@ UNIT_TESTS = \
 	tests/render/test_mattes \
 	tests/render/test_motion \
 	tests/render/test_need \
+	tests/render/test_placed \
 	tests/render/test_precision \
 	tests/render/test_resident \
 	tests/render/test_transport \

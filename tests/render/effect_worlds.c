@@ -307,6 +307,10 @@ const struct effect_cause effect_causes[] = {
      {SKY, "'ior':1", "", "", 24},
      {"'beauty','crypto_object'", "box", "'mattes':{'through':'delta'},", 3},
      "mattes through bounces|ID coverage|" CONSTANT},
+    {"mattes through bounces", // at alpha 0 they widen no cone
+     {SKY, "'ior':1", "", "", 24},
+     {"'beauty','crypto_object'", "box", "'mattes':{'through':'glossy','alpha':0},", 3},
+     "mattes through bounces|ID coverage|" CONSTANT},
     {"mattes through glossy lobes",
      {SKY, "'ior':1", "", "", 24},
      {"'beauty','crypto_object'", "box", "'mattes':{'through':'glossy'},", 3},

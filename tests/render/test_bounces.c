@@ -1,8 +1,7 @@
 // Mattes through bounces: what reflections and refractions show is covered as Eq. 1 says, and nothing
 // else of a frame is different for it.
 #include "kernels/gk_matte.h"
-#include "tests/kernel/surface.h"
-#include "tests/render/things.h"
+#include "tests/render/bounced.h"
 #include "tests/stability/stable.h"
 
 #include <math.h>
@@ -15,16 +14,6 @@
     "'filter':{'kind':'box'},'mattes':{" mattes "}}"
 #define OBJECTS "'crypto_object'"
 #define SAMPLES(n) "'stop':{'samples':" #n "},"
-
-static void take(struct shot *s, const char *scene, const char *job)
-{
-    char *scene_text = stable_text("%s", scene), *job_text = stable_text("%s", job);
-    glint_resident *resident = offline_load_text(&things_crew, scene_text);
-    shoot(s, resident, job_text);
-    glint_resident_release(&resident);
-    free(scene_text);
-    free(job_text);
-}
 
 // A camera at the origin that looks along -z; quads are 1x1 in xy and face -z unless turned.
 #define CAMERA(yfov) "'cameras':{'c':{'yfov':" #yfov "}},"
@@ -75,7 +64,7 @@ static void every_sample_is_given_away_whole(void **state)
             SAMPLES(16))};
     for (size_t i = 0; i < COUNT(settings); i++) {
         struct shot s;
-        take(&s, room, settings[i]);
+        bounced_take(&s, room, settings[i]);
         for (size_t p = 0; p < pixels(s.frame); p++)
             assert_within(sum_of_ranks(s.frame, "CryptoGlossObject", p) - 1.0, 1e-6);
         assert_true(lost_in(&s) == 0.0);
@@ -88,12 +77,12 @@ static void exact_eviction_is_what_slots_enough_give(void **state)
 {
     (void)state;
     struct shot exact, slots;
-    take(&exact, room,
-         JOB(OBJECTS ",'crypto_material','matte_sums'",
-             "'through':'glossy','classes':true,'eviction':'exact'", SAMPLES(16)));
-    take(&slots, room,
-         JOB(OBJECTS ",'crypto_material','matte_sums'",
-             "'through':'glossy','classes':true,'slots':32", SAMPLES(16)));
+    bounced_take(&exact, room,
+                 JOB(OBJECTS ",'crypto_material','matte_sums'",
+                     "'through':'glossy','classes':true,'eviction':'exact'", SAMPLES(16)));
+    bounced_take(&slots, room,
+                 JOB(OBJECTS ",'crypto_material','matte_sums'",
+                     "'through':'glossy','classes':true,'slots':32", SAMPLES(16)));
     stable_assert_same(exact.frame, slots.frame);
     const float *kept = glint_frame_find(exact.frame, "sums.primary");
     for (size_t p = 0; p < pixels(exact.frame); p++)
@@ -132,8 +121,8 @@ static void the_picture_and_what_is_seen_directly_are_the_same_without(void **st
 {
     (void)state;
     struct shot with, without;
-    take(&with, room, JOB(OBJECTS, "'through':'glossy'", SAMPLES(16)));
-    take(&without, room, JOB(OBJECTS, "'through':'none'", SAMPLES(16)));
+    bounced_take(&with, room, JOB(OBJECTS, "'through':'glossy'", SAMPLES(16)));
+    bounced_take(&without, room, JOB(OBJECTS, "'through':'none'", SAMPLES(16)));
     for (uint32_t c = 0; c < without.frame->channels; c++) {
         const char *name = without.frame->channel[c].name;
         assert_int_equal(stable_equal(with.frame, without.frame, name), pixels(with.frame));
@@ -147,9 +136,9 @@ static void reflection_and_refraction_make_what_is_seen_by_bounces(void **state)
 {
     (void)state;
     struct shot whole, parts, bins;
-    take(&whole, room, JOB(OBJECTS, ALL "'through':'glossy'", SAMPLES(16)));
-    take(&parts, room, JOB(OBJECTS, ALL "'through':'glossy','classes':true", SAMPLES(16)));
-    take(&bins, room, JOB(OBJECTS, ALL "'through':'glossy','depth_bins':4", SAMPLES(16)));
+    bounced_take(&whole, room, JOB(OBJECTS, ALL "'through':'glossy'", SAMPLES(16)));
+    bounced_take(&parts, room, JOB(OBJECTS, ALL "'through':'glossy','classes':true", SAMPLES(16)));
+    bounced_take(&bins, room, JOB(OBJECTS, ALL "'through':'glossy','depth_bins':4", SAMPLES(16)));
     double reflected = 0.0, refracted = 0.0;
     for (size_t p = 0; p < pixels(whole.frame); p++) {
         const double r = coverage_of(parts.frame, "CryptoReflObject", "behind", p);
@@ -172,6 +161,46 @@ static void reflection_and_refraction_make_what_is_seen_by_bounces(void **state)
     finish_shot(&bins);
 }
 
+// A mirror shows what is behind the camera through a pane: that is a reflection.
+static void the_first_bounce_says_of_which_class_a_path_is(void **state)
+{
+    (void)state;
+    static const char scene[] =
+        "{" CAMERA(0.001) "'environment':{'radiance':[1,1,1]},"
+                          "'meshes':{'quad':{'primitive':'quad'}},"
+                          "'materials':{'m':{'metallic':1,'roughness':0,'base_color':[1,1,1]},"
+                          "'g':{'transmission':1,'roughness':0,'thin':true},"
+                          "'p':{'ior':1,'base_color':[0.8,0.8,0.8]}},'objects':{'mirror':{},'pane':"
+                          "{},'wall':{}},"
+                          "'instances':{" QUAD("mirror", "m", TURNED, -1, 100) "," QUAD(
+                              "pane", "g", "", 1, 100) "," QUAD("wall", "p", "", 2, 100) "}}";
+    struct shot s;
+    double error;
+    bounced_take(&s, scene, JOB(OBJECTS, "'through':'glossy','classes':true", SAMPLES(64)));
+    assert_true(bounced_mean(&s, "CryptoReflObject", "wall", &error) > 0.9);
+    assert_within(bounced_mean(&s, "CryptoRefrObject", "wall", &error), 1e-6);
+    finish_shot(&s);
+}
+
+// The back of a single-sided sheet, which the camera does not see: the wall behind it is seen directly.
+static void what_is_passed_unseen_is_no_bounce(void **state)
+{
+    (void)state;
+    static const char scene[] = "{" CAMERA(
+        0.001) "'environment':{'radiance':[1,1,1]},"
+               "'meshes':{'quad':{'primitive':'quad'}},"
+               "'materials':{'b':{'ior':1,'double_sided':false},'p':{'ior':1}},"
+               "'objects':{'sheet':{},'wall':{}},'instances':{" QUAD(
+                   "sheet", "b", TURNED, -1, 100) "," QUAD("wall", "p", "", -2, 100) "}}";
+    struct shot s;
+    double error;
+    bounced_take(&s, scene, JOB(OBJECTS, "'through':'glossy','classes':true", SAMPLES(16)));
+    assert_within(bounced_mean(&s, "CryptoObject", "wall", &error) - 1.0, 1e-6);
+    assert_within(bounced_mean(&s, "CryptoReflObject", "wall", &error), 1e-6);
+    assert_within(bounced_mean(&s, "CryptoRefrObject", "wall", &error), 1e-6);
+    finish_shot(&s);
+}
+
 // ---- closed forms
 
 // The camera between two mirrors that keep half of the light: vertex k is given 2^-k, the ninth all
@@ -182,19 +211,6 @@ static const char facing[] =
                       "'objects':{'ahead':{},'behind':{}},"
                       "'instances':{" QUAD("ahead", "m", TURNED, -1, 100) "," QUAD("behind", "m",
                                                                                    "", 1, 100) "}}";
-
-static double mean_coverage(const struct shot *s, const char *type, const char *name, double *error)
-{
-    double sum = 0.0, square = 0.0;
-    const double n = (double)pixels(s->frame);
-    for (size_t p = 0; p < pixels(s->frame); p++) {
-        const double c = coverage_of(s->frame, type, name, p);
-        sum += c;
-        square += c * c;
-    }
-    *error = sqrt(fmax(square / n - sum / n * (sum / n), 0.0) / (n - 1.0));
-    return sum / n;
-}
 
 static void facing_mirrors_share_as_a_geometric_series(void **state)
 {
@@ -207,8 +223,8 @@ static void facing_mirrors_share_as_a_geometric_series(void **state)
     for (size_t i = 0; i < COUNT(settings); i++) {
         struct shot s;
         double error;
-        take(&s, facing, settings[i]);
-        const double mean = mean_coverage(&s, "CryptoGlossObject", "ahead", &error);
+        bounced_take(&s, facing, settings[i]);
+        const double mean = bounced_mean(&s, "CryptoGlossObject", "ahead", &error);
         assert_odds(mean - ahead, error, 8.0 / GK_MATTE_ONE);
         finish_shot(&s);
     }
@@ -218,8 +234,8 @@ static void in_a_scene_of_deltas_lobes_change_no_bit(void **state)
 {
     (void)state;
     struct shot delta, glossy;
-    take(&delta, facing, JOB(OBJECTS, "'through':'delta'", SAMPLES(64)));
-    take(&glossy, facing, JOB(OBJECTS, "'through':'glossy'", SAMPLES(64)));
+    bounced_take(&delta, facing, JOB(OBJECTS, "'through':'delta'", SAMPLES(64)));
+    bounced_take(&glossy, facing, JOB(OBJECTS, "'through':'glossy'", SAMPLES(64)));
     stable_assert_same(delta.frame, glossy.frame);
     assert_true(coverage_of(delta.frame, "CryptoGlossObject", "behind", 0) > 0.1);
     finish_shot(&delta);
@@ -237,7 +253,7 @@ static void diffuse_surfaces_keep_all_of_theirs(void **state)
 {
     (void)state;
     struct shot s;
-    take(&s, walls, JOB(OBJECTS, "'through':'glossy'", SAMPLES(64)));
+    bounced_take(&s, walls, JOB(OBJECTS, "'through':'glossy'", SAMPLES(64)));
     for (size_t p = 0; p < pixels(s.frame); p++)
         for (const char *name = "abc"; *name; name++) {
             const char one[2] = {*name, 0};
@@ -253,8 +269,8 @@ static void without_the_cut_they_lose_some(void **state)
     (void)state;
     struct shot s;
     double error;
-    take(&s, walls, JOB(OBJECTS, "'through':'glossy','diffuse_cut':false", SAMPLES(64)));
-    assert_true(mean_coverage(&s, "CryptoGlossObject", "c", &error) > 0.02);
+    bounced_take(&s, walls, JOB(OBJECTS, "'through':'glossy','diffuse_cut':false", SAMPLES(64)));
+    assert_true(bounced_mean(&s, "CryptoGlossObject", "c", &error) > 0.02);
     finish_shot(&s);
 }
 
@@ -272,11 +288,11 @@ static void clear_glass_gives_its_place_to_what_is_behind(void **state)
     (void)state;
     struct shot s;
     double error;
-    take(&s, pane, JOB(OBJECTS, "'through':'delta'", SAMPLES(256)));
-    const double wall = mean_coverage(&s, "CryptoGlossObject", "wall", &error);
+    bounced_take(&s, pane, JOB(OBJECTS, "'through':'delta'", SAMPLES(256)));
+    const double wall = bounced_mean(&s, "CryptoGlossObject", "wall", &error);
     assert_odds(wall - 0.96, error, 0);
-    assert_within(mean_coverage(&s, "CryptoGlossObject", "pane", &error), 1e-6);
-    assert_within(mean_coverage(&s, "CryptoObject", "pane", &error) - 1.0, 0.0);
+    assert_within(bounced_mean(&s, "CryptoGlossObject", "pane", &error), 1e-6);
+    assert_within(bounced_mean(&s, "CryptoObject", "pane", &error) - 1.0, 0.0);
     finish_shot(&s);
 }
 
@@ -286,11 +302,60 @@ static void full_mattes_of_opaque_surfaces_take_nothing_from_what_follows(void *
     (void)state;
     struct shot s;
     double error;
-    take(&s, pane, JOB(OBJECTS, "'through':'delta','coverage':'opaque_full'", SAMPLES(256)));
-    assert_within(mean_coverage(&s, "CryptoGlossObject", "pane", &error) - 0.04, 2e-5);
-    const double wall = mean_coverage(&s, "CryptoGlossObject", "wall", &error);
+    bounced_take(&s, pane,
+                 JOB(OBJECTS, "'through':'delta','coverage':'opaque_full'", SAMPLES(256)));
+    assert_within(bounced_mean(&s, "CryptoGlossObject", "pane", &error) - 0.04, 2e-5);
+    const double wall = bounced_mean(&s, "CryptoGlossObject", "wall", &error);
     assert_odds(wall - 0.96, error, 0);
     finish_shot(&s);
+}
+
+// What a stained pane lets through is its mean over the colours, of the half that is transmitted; what it
+// scatters goes no further.
+static void what_is_let_through_has_the_colour_of_the_pane(void **state)
+{
+    (void)state;
+    static const char stained[] = "{" CAMERA(
+        0.001) "'environment':{'radiance':[1,1,1]},'meshes':{'quad':{'primitive':'quad'}},"
+               "'materials':{'g':{'transmission':0.5,'roughness':0,'thin':true,'base_color':"
+               "[0.9,0.5,0.1]},'m':{'ior':1,'base_color':[0.8,0.8,0.8]}},"
+               "'objects':{'pane':{},'wall':{}},'instances':{" QUAD(
+                   "pane", "g", TURNED, -1, 100) "," QUAD("wall", "m", TURNED, -2, 100) "}}";
+    struct shot s;
+    double error;
+    bounced_take(&s, stained,
+                 JOB(OBJECTS, "'through':'delta','coverage':'opaque_full'", SAMPLES(256)));
+    const double pane_covers = bounced_mean(&s, "CryptoGlossObject", "pane", &error);
+    assert_within(pane_covers - (1.0 - 0.96 * 0.5 * 0.5), 2e-5);
+    const double wall = bounced_mean(&s, "CryptoGlossObject", "wall", &error);
+    assert_odds(wall - 0.96 * 0.5 * 0.5, error, 0);
+    finish_shot(&s);
+}
+
+// A block of glass is met at its front, at its back and, by what that reflects, again and again: by both
+// rules it is covered at its front alone.
+static void what_a_path_meets_twice_in_a_row_is_covered_once(void **state)
+{
+    (void)state;
+    static const char block[] = "{" CAMERA(
+        0.001) "'environment':{'radiance':[1,1,1]},'meshes':{'quad':{'primitive':'quad'},"
+               "'box':{'primitive':'box'}},'materials':{'g':{'transmission':1,'roughness':0,"
+               "'ior':1.5},'m':{'ior':1,'base_color':[0.8,0.8,0.8]}},"
+               "'objects':{'block':{},'wall':{}},'instances':{'block':{'object':'block','mesh':'"
+               "box',"
+               "'material':'g','transform':{'translation':[0,0,-2],'scale':[9,9,1]}}," QUAD(
+                   "wall", "m", TURNED, -4, 100) "}}";
+    static const char *const rule[] = {
+        JOB(OBJECTS, "'through':'delta','coverage':'opaque_full','path_ids':'previous'",
+            SAMPLES(16)),
+        JOB(OBJECTS, "'through':'delta','coverage':'opaque_full','path_ids':'list'", SAMPLES(16))};
+    for (size_t i = 0; i < COUNT(rule); i++) {
+        struct shot s;
+        bounced_take(&s, block, rule[i]);
+        for (size_t p = 0; p < pixels(s.frame); p++)
+            assert_within(coverage_of(s.frame, "CryptoGlossObject", "block", p) - 0.04, 2e-5);
+        finish_shot(&s);
+    }
 }
 
 // Nine vertices between mirrors that lose nothing: by Eq. 8 as it is printed the first is covered
@@ -318,7 +383,7 @@ static void a_list_of_what_was_met_covers_each_once(void **state)
          0, 1}};
     for (size_t i = 0; i < COUNT(rule); i++) {
         struct shot s;
-        take(&s, white, rule[i].job);
+        bounced_take(&s, white, rule[i].job);
         const char *type = i == 2 ? "CryptoReflObject" : "CryptoGlossObject";
         const float *sum = glint_frame_find(s.frame, "sums.bounced");
         for (size_t p = 0; p < pixels(s.frame); p++) {
@@ -369,7 +434,7 @@ static void a_list_goes_on_after_its_first_entries(void **state)
          1}};
     for (size_t i = 0; i < COUNT(rule); i++) {
         struct shot s;
-        take(&s, prism, rule[i].job);
+        bounced_take(&s, prism, rule[i].job);
         for (size_t p = 0; p < pixels(s.frame); p++)
             for (const char *name = "abc"; *name; name++)
                 assert_within(
@@ -397,40 +462,6 @@ static const char under_a_ceiling[] =
     "'ceiling':{'object':'ceiling','mesh':'quad','material':'paint','transform':{'translation':"
     "[0,30,0],'rotation':[-0.707106781,0,0,0.707106781],'scale':[1e5,1e5,1]}}}}";
 
-static double plain_variance(double pdf)
-{
-    const double e = fmin(1.0 / (2.0 * M_PI * pdf), 1.0);
-    return e * (2.0 - e) / (2.0 * (1.0 - e) * (1.0 - e));
-}
-
-static double plain_weight(double pdf, double way, double alpha, bool cut)
-{
-    const double r = HALF_PIXEL * (TO_FLOOR + way), v2 = plain_variance(pdf);
-    const double w = isinf(v2) ? 0.0 : pow(r * r / (r * r + way * way * v2), 0.5 * alpha);
-    const double flat = pow(r * r / (r * r + way * way * 1.5), 0.5 * alpha);
-    return cut ? fmax(0.0, (w - flat) / (1.0 - flat)) : w;
-}
-
-// The integral of W f cos over the directions that see the ceiling.
-static double ceiling_by_quadrature(float roughness, double alpha, bool cut)
-{
-    enum { RINGS = 2000, TURNS = 720 };
-    const struct material metal = {
-        .name = "", .base = 0.7f, .metallic = 1, .roughness = roughness, .ior = 1.5f};
-    const struct gk_vec wo = gk_vec(0.8f, 0.0f, 0.6f);
-    const struct gk_surface surface = make_surface_at(&metal, wo);
-    double sum = 0.0;
-    for (int i = 0; i < RINGS; i++)
-        for (int j = 0; j < TURNS; j++) {
-            const double z = (i + 0.5) / RINGS;
-            const struct gk_bsdf_value f =
-                gk_bsdf_eval(&surface, wo, direction(z, (j + 0.5) / TURNS));
-            if (f.pdf > 0.0f)
-                sum += gk_mean3(f.f) * plain_weight(f.pdf, CEILING / z, alpha, cut);
-        }
-    return sum * 2.0 * M_PI / (RINGS * TURNS);
-}
-
 static void rough_metal_hands_on_the_integral_of_eq_1(void **state)
 {
     (void)state;
@@ -448,10 +479,20 @@ static void rough_metal_hands_on_the_integral_of_eq_1(void **state)
                  JOB(OBJECTS, "'through':'glossy','alpha':%g,'diffuse_cut':%s",
                      SAMPLES(256) "'accuracy':{'microfacet':'single'},"),
                  setting[i].alpha, setting[i].cut ? "true" : "false");
-        take(&s, scene, job);
-        const double mean = mean_coverage(&s, "CryptoGlossObject", "ceiling", &error);
+        bounced_take(&s, scene, job);
+        const double mean = bounced_mean(&s, "CryptoGlossObject", "ceiling", &error);
         const double want =
-            ceiling_by_quadrature((float)setting[i].roughness, setting[i].alpha, setting[i].cut);
+            ceiling_share(&(struct ceiling){.material = {.name = "",
+                                                         .base = 0.7f,
+                                                         .metallic = 1,
+                                                         .roughness = (float)setting[i].roughness,
+                                                         .ior = 1.5f},
+                                            .height = CEILING,
+                                            .cosine = 0.6,
+                                            .radius = HALF_PIXEL * TO_FLOOR,
+                                            .slope = HALF_PIXEL,
+                                            .alpha = setting[i].alpha,
+                                            .cut = setting[i].cut});
         print_message("# roughness %g alpha %g: %.5f, by quadrature %.5f, error %.5f\n",
                       setting[i].roughness, setting[i].alpha, mean, want, error);
         assert_odds(mean - want, error, 2e-4);
@@ -500,9 +541,9 @@ static void what_a_vertex_hands_on_over_what_it_has_reaches_those_beyond(void **
     (void)state;
     struct shot s;
     double error;
-    take(&s, under_a_mirror,
-         JOB(OBJECTS, "'through':'glossy','alpha':0,'diffuse_cut':false", SAMPLES(256)));
-    const double mean = mean_coverage(&s, "CryptoGlossObject", "ground", &error);
+    bounced_take(&s, under_a_mirror,
+                 JOB(OBJECTS, "'through':'glossy','alpha':0,'diffuse_cut':false", SAMPLES(256)));
+    const double mean = bounced_mean(&s, "CryptoGlossObject", "ground", &error);
     const double want = ground_by_quadrature();
     print_message("# %.5f, by quadrature %.5f, error %.5f\n", mean, want, error);
     assert_odds(mean - want, error, 2e-3); // of tables of energy, of rays that miss the planes
@@ -517,12 +558,16 @@ int main(void)
         cmocka_unit_test(tables_shared_by_work_items_are_those_of_an_owner),
         cmocka_unit_test(the_picture_and_what_is_seen_directly_are_the_same_without),
         cmocka_unit_test(reflection_and_refraction_make_what_is_seen_by_bounces),
+        cmocka_unit_test(the_first_bounce_says_of_which_class_a_path_is),
+        cmocka_unit_test(what_is_passed_unseen_is_no_bounce),
         cmocka_unit_test(facing_mirrors_share_as_a_geometric_series),
         cmocka_unit_test(in_a_scene_of_deltas_lobes_change_no_bit),
         cmocka_unit_test(diffuse_surfaces_keep_all_of_theirs),
         cmocka_unit_test(without_the_cut_they_lose_some),
         cmocka_unit_test(clear_glass_gives_its_place_to_what_is_behind),
         cmocka_unit_test(full_mattes_of_opaque_surfaces_take_nothing_from_what_follows),
+        cmocka_unit_test(what_is_let_through_has_the_colour_of_the_pane),
+        cmocka_unit_test(what_a_path_meets_twice_in_a_row_is_covered_once),
         cmocka_unit_test(a_list_of_what_was_met_covers_each_once),
         cmocka_unit_test(a_list_goes_on_after_its_first_entries),
         cmocka_unit_test(rough_metal_hands_on_the_integral_of_eq_1),

@@ -5,8 +5,7 @@
 // = sqrt(c (1 - c)) at most, so that a matte that is d off is missed once in a thousand at
 // n = ((4.892 + 3.09) s / d)^2: of a pixel 0.125 at n = 1024, of the frame 0.0064.
 #include "kernels/gk_matte.h"
-#include "tests/kernel/surface.h"
-#include "tests/render/things.h"
+#include "tests/render/bounced.h"
 #include "tests/stability/stable.h"
 
 #include <math.h>
@@ -191,22 +190,12 @@ static const struct {
 } stripe[] = {{"far", -10050, -50}, {"middle", -50, -30}, {"near", -30, -10}};
 #define STRIPES COUNT(stripe)
 
-static double variance_of(double pdf)
-{
-    const double e = fmin(1.0 / (2.0 * M_PI * pdf), 1.0);
-    return e * (2.0 - e) / (2.0 * (1.0 - e) * (1.0 - e));
-}
-
 // Eq. 4 to 7 with diffuse_cut, of the metal's lobe alone: the pane before it adds no variance.
 static double weight_of(double pdf, double way, double alpha)
 {
-    const double r = HALF_PIXEL * (TO_FLOOR + way), v2 = variance_of(pdf);
-    if (isinf(v2))
-        return 0.0;
-    const double part = isinf(way) ? v2 / (HALF_PIXEL * HALF_PIXEL) : way * way * v2 / (r * r);
-    const double flat = part * 1.5 / v2;
-    const double w = pow(1.0 + part, -0.5 * alpha), w_flat = pow(1.0 + flat, -0.5 * alpha);
-    return fmax(0.0, (w - w_flat) / (1.0 - w_flat));
+    const double r = HALF_PIXEL * (TO_FLOOR + way);
+    const double spread = isinf(way) ? 1.0 / HALF_PIXEL : way / r;
+    return plain_weight(plain_variance(pdf), spread, alpha, true);
 }
 
 // The integral of W f cos over the directions that see each stripe, and the sky last.
@@ -263,6 +252,57 @@ static void rough_metal_behind_a_pane_is_shared_by_all_that_it_shows(void **stat
     (void)state;
     assert_stripes(0.1);
     assert_stripes(0.5);
+}
+
+// ---- a rough pane before a wall: the lobe that is left by is that of one side
+
+#define TO_PANE 1.0
+#define TO_WALL 2.0
+
+static const char frosted[] =
+    "{'cameras':{'c':{'yfov':0.001}},'environment':{'radiance':[1,1,1]},"
+    "'meshes':{'quad':{'primitive':'quad'}},"
+    "'materials':{'pane':{'transmission':1,'roughness':0.4,'thin':true,'base_color':[0.8,0.8,0.8]},"
+    "'paint':{'ior':1,'base_color':[0,0,0]}},'objects':{'pane':{},'wall':{}},'instances':{"
+    "'pane':{'object':'pane','mesh':'quad','material':'pane','transform':{'translation':[0,0,-1]}},"
+    "'wall':{'object':'wall','mesh':'quad','material':'paint','transform':{'translation':[0,0,-3],"
+    "'scale':[1e5,1e5,1]}}}}";
+
+// The integral of W f cos over the directions behind the pane. The probability of that side is the
+// integral of the density over it.
+static double through_frosted(double alpha)
+{
+    enum { RINGS = 2000 }; // what is seen straight on is the same all around
+    const struct material glass = {
+        .name = "", .base = 0.8f, .transmission = 1, .roughness = 0.4f, .ior = 1.5f, .thin = 1};
+    const struct gk_vec wo = gk_vec(0.0f, 0.0f, 1.0f);
+    const struct gk_surface surface = make_surface_at(&glass, wo);
+    double side = 0.0, sum = 0.0;
+    for (int i = 0; i < RINGS; i++)
+        side += gk_bsdf_eval(&surface, wo, direction(-(i + 0.5) / RINGS, 0.25)).pdf * 2.0 * M_PI /
+                RINGS;
+    for (int i = 0; i < RINGS; i++) {
+        const double z = (i + 0.5) / RINGS, way = TO_WALL / z;
+        const struct gk_bsdf_value f = gk_bsdf_eval(&surface, wo, direction(-z, 0.25));
+        const double spread = way / (HALF_PIXEL * (TO_PANE + way));
+        if (f.pdf > 0.0f)
+            sum += gk_mean3(f.f) * plain_weight(plain_variance(f.pdf / side), spread, alpha, true) *
+                   2.0 * M_PI / RINGS;
+    }
+    return sum;
+}
+
+static void a_rough_pane_hands_on_by_the_lobe_of_the_side_it_is_left_by(void **state)
+{
+    (void)state;
+    static double want[WIDTH * HEIGHT];
+    struct shot s;
+    take(&s, frosted, "'through':'glossy','alpha':0.1");
+    const double share = through_frosted(0.1);
+    for (size_t p = 0; p < WIDTH * HEIGHT; p++)
+        want[p] = share;
+    assert_matte(__func__, &s, "wall", want);
+    finish_shot(&s);
 }
 
 // ---- nothing is clamped
@@ -485,6 +525,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(solid_glass_hands_on_what_it_lets_through),
         cmocka_unit_test(rough_metal_behind_a_pane_is_shared_by_all_that_it_shows),
+        cmocka_unit_test(a_rough_pane_hands_on_by_the_lobe_of_the_side_it_is_left_by),
         cmocka_unit_test(weights_above_one_cut_a_ten_thousandth_at_most),
         cmocka_unit_test(twelve_slots_and_places_give_the_mattes_of_exact_eviction),
         cmocka_unit_test(files_with_as_many_levels_as_it_takes_leave_out_two_hundredths_at_most),
