@@ -10,12 +10,37 @@
 
 #define MAX_NAMES 32
 
+// What a layer has of each class is a column, where the job has the class.
+enum { FIXED = 2, DIRECT = FIXED, COLUMNS = 16 };
 static const struct glint_column row[] = {
     {"NAME", "name", GLINT_COLUMN_TEXT},
     {"HASH", "hash", GLINT_COLUMN_TEXT},
     {"PIXELS", "coverage", GLINT_COLUMN_NUMBER},
+    {"GLOSSY", "glossy", GLINT_COLUMN_NUMBER},
+    {"REFLECTION", "reflection", GLINT_COLUMN_NUMBER},
+    {"REFRACTION", "refraction", GLINT_COLUMN_NUMBER},
+    {"DEPTH0", "depth0", GLINT_COLUMN_NUMBER},
+    {"DEPTH1", "depth1", GLINT_COLUMN_NUMBER},
+    {"DEPTH2", "depth2", GLINT_COLUMN_NUMBER},
+    {"DEPTH3", "depth3", GLINT_COLUMN_NUMBER},
+    {"DEPTH4", "depth4", GLINT_COLUMN_NUMBER},
+    {"DEPTH5", "depth5", GLINT_COLUMN_NUMBER},
+    {"DEPTH6", "depth6", GLINT_COLUMN_NUMBER},
+    {"DEPTH7", "depth7", GLINT_COLUMN_NUMBER},
+    {"DEPTH8", "depth8", GLINT_COLUMN_NUMBER},
+    {"DEPTH9", "depth9", GLINT_COLUMN_NUMBER},
     {0},
 };
+
+static void choose_columns(const cJSON *names, struct glint_column out[COLUMNS + 1])
+{
+    const cJSON *first = cJSON_GetArrayItem(names, 0);
+    size_t n = 0;
+    for (size_t i = 0; row[i].title; i++)
+        if (i <= DIRECT || cJSON_IsNumber(cJSON_GetObjectItemCaseSensitive(first, row[i].member)))
+            out[n++] = row[i];
+    out[n] = (struct glint_column){0};
+}
 
 static bool is_layer(const char *name)
 {
@@ -23,10 +48,16 @@ static bool is_layer(const char *name)
            strcmp(name, "asset") == 0;
 }
 
+// The most that a name covers in one of the classes.
 static double coverage(const void *name)
 {
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(*(const cJSON *const *)name, "coverage");
-    return cJSON_IsNumber(item) ? item->valuedouble : 0;
+    const cJSON *object = *(const cJSON *const *)name;
+    double most = 0;
+    for (size_t i = FIXED; row[i].title; i++) {
+        const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, row[i].member);
+        most = cJSON_IsNumber(item) && item->valuedouble > most ? item->valuedouble : most;
+    }
+    return most;
 }
 
 static int by_coverage(const void *a, const void *b)
@@ -58,10 +89,13 @@ static void print_layers(const cJSON *layers, const char *wanted)
     cJSON_ArrayForEach(layer, layers) {
         if (wanted && strcmp(layer->string, wanted) != 0)
             continue;
-        cJSON *list = seen(cJSON_GetObjectItemCaseSensitive(layer, "names"));
+        const cJSON *names = cJSON_GetObjectItemCaseSensitive(layer, "names");
+        struct glint_column column[COLUMNS + 1];
+        choose_columns(names, column);
+        cJSON *list = seen(names);
         glint_print_plain(stdout, layer->string);
         puts(":");
-        glint_table_print(row, list);
+        glint_table_print(column, list);
         cJSON_Delete(list);
     }
 }
@@ -153,7 +187,8 @@ const struct glint_command glint_command_mattes = {
     .name = "mattes",
     .operands = "JOB",
     .summary = "List the names in a frame and their coverage",
-    .detail = "Names that cover nothing are left out; --json has them all.",
+    .detail = "What bounces bring has columns of its own, by class. Names that cover nothing\n"
+              "are left out; --json has them all.",
     .options = mattes_options,
     .least = 1,
     .most = 1,

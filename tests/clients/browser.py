@@ -184,11 +184,19 @@ class Browser:
         self.click("#zoom-text")
         self.until(lambda: self.text("#zoom-text") == "100 %")
 
+    def drawn(self):
+        """x, y of the picture's corner on the screen and the size of a pixel there, once it is drawn as
+        the page now has it: it draws by the frame, and says where only then."""
+        return self.driver.execute_async_script("""const done = arguments[arguments.length - 1];
+            requestAnimationFrame(() => requestAnimationFrame(() => {
+                const v = document.getElementById("viewport"), box = v.getBoundingClientRect();
+                const [x, y, scale] = v.dataset.place.split(" ").map(Number);
+                done([box.left + x, box.top + y, scale]);
+            }));""")
+
     def place(self):
         """x, y of the picture's corner on the screen."""
-        return self.run("""const v = document.getElementById("viewport"), box = v.getBoundingClientRect();
-            const [x, y] = v.dataset.place.split(" ").map(Number);
-            return [box.left + x, box.top + y];""")
+        return self.drawn()[:2]
 
     def picture(self):
         """uint8 [height][width][3] of what the screen shows where the picture is."""

@@ -51,9 +51,10 @@ def rendered():
         (job,) = [j["id"] for j in daemon.get("/v1/jobs").json()["jobs"]]
         for name in CLASSES + [",".join(CLASSES)]:
             glint("matte", job, "--name", "pot", "--through", name, "-o", path(f"{name}.exr"), server=url)
+        listed = glint("mattes", job, server=url).stdout
         refused = glint("matte", job, "--name", "pot", "--through", "glossy", "-o", path("no.exr"),
                         expect=1, server=url)
-    return read(path("frame.exr"))[0].planes, refused.stderr
+    return read(path("frame.exr"))[0].planes, refused.stderr, listed
 
 
 def pot(name):
@@ -86,6 +87,14 @@ def test_the_mattes_of_the_daemon_are_those_of_the_file():
     whole = read(path(f"{','.join(CLASSES)}.exr"))[0].planes["A"]
     assert np.abs(whole - total).max() < 1e-6
     assert "no mattes of" in rendered()[1]
+
+
+def test_the_list_of_names_has_the_sums_of_the_mattes_by_class():
+    lines = rendered()[2].splitlines()
+    assert lines[0] == "object:" and lines[1].split() == ["NAME", "HASH", "PIXELS", "REFLECTION", "REFRACTION"]
+    (row,) = [line.split() for line in lines if line.startswith("pot ")]
+    for name, told in zip(CLASSES, row[2:]):
+        assert abs(float(told) - read(path(f"{name}.exr"))[0].planes["A"].sum()) <= 6e-4 * float(told) + 1e-3, name
 
 
 def test_the_pot_is_seen_through_glass_where_it_is_not_seen_directly():

@@ -216,6 +216,24 @@ def test_mattes_lists_what_is_seen_the_largest_first():
         assert json.loads(cli.glint("mattes", "--json", "j", server=daemon.url).stdout) == mattes
 
 
+def test_what_bounces_bring_of_a_name_has_a_column_for_each_class_of_the_job():
+    names = [{"name": "pane", "hash": "00000001", "coverage": 9, "reflection": 0, "refraction": 0.5},
+             {"name": "behind", "hash": "00000002", "coverage": 0, "reflection": 0, "refraction": 12.25},
+             {"name": "hidden", "hash": "00000003", "coverage": 0, "reflection": 0, "refraction": 0}]
+    bins = [{"name": "far", "hash": "00000004", "coverage": 1, **{f"depth{i}": i for i in range(10)}}]
+    with FakeDaemon() as daemon:
+        daemon.on("GET", "/v1/jobs/j/mattes", Answer(200, {"layers": {"object": {"names": names}}}))
+        assert cli.glint("mattes", "j", server=daemon.url).stdout == (
+            "object:\n"
+            "NAME    HASH      PIXELS  REFLECTION  REFRACTION\n"
+            "behind  00000002  0       0           12.25\n"
+            "pane    00000001  9       0           0.5\n")
+        daemon.on("GET", "/v1/jobs/d/mattes", Answer(200, {"layers": {"object": {"names": bins}}}))
+        assert cli.glint("mattes", "d", server=daemon.url).stdout.split() == [
+            "object:", "NAME", "HASH", "PIXELS", *(f"DEPTH{i}" for i in range(10)),
+            "far", "00000004", "1", *(str(i) for i in range(10))]
+
+
 def test_a_matte_is_the_union_of_the_names_given():
     with FakeDaemon() as daemon, tempfile.TemporaryDirectory() as folder:
         daemon.on("GET", "/v1/jobs/j/matte.png", Answer(200, b"a matte"))
