@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""make.py BIN SCENES - renders every scene file below SCENES (hostile/ left out) with the glint and
+"""make.py BIN SCENES [--table] - renders every scene file below SCENES (hostile/ left out) with the glint and
 glintd in BIN, and writes beside itself: contact.jpg, a sheet of small pictures; khronos-*.jpg, one
-for each feature test and moment; scenes.md, what the daemon said of each file.
+for each feature test and moment; scenes.md, what the daemon said of each file. --table: scenes.md
+alone, nothing is rendered.
 
 Needs python3-openimageio and python3-numpy.
 """
@@ -173,6 +174,7 @@ def table(said):
 
 def main():
     binary, root = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+    table_alone = '--table' in sys.argv[3:]
     work = pathlib.Path(tempfile.mkdtemp())
     daemon = Daemon(binary, work / 'state')
     cells, said = [], {}
@@ -193,6 +195,9 @@ def main():
             if 'problem' in resource:
                 cells.append(numpy.full((CELL[1], CELL[0], 3), .8))
                 continue
+            if table_alone:
+                forget(daemon.url, name)
+                continue
             if added(resource, 'environment'):
                 light(daemon.url, name, root / 'env' / 'sunset.dwab.exr')
             small = picture(daemon.url, name, CELL, 64, work)
@@ -210,7 +215,8 @@ def main():
             forget(daemon.url, name)
     finally:
         daemon.stop()
-    save(sheet(cells), HERE / 'contact.jpg', 75)
+    if not table_alone:
+        save(sheet(cells), HERE / 'contact.jpg', 75)
     (HERE / 'scenes.md').write_text(table(said))
 
 

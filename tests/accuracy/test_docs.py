@@ -83,6 +83,7 @@ def test_effects_cost_what_the_bench_said():
 def test_exactness_costs_what_the_bench_said():
     bench = load("precision", "precision.json")
     lines = [f"| {interval(bench['float64'])} |", f"| {interval(bench['robust'])} |",
+             f"| {interval(bench['watertight'])} |",
              f"| {interval(bench['float'])} to encode, {bench['float_bytes']:.2f} the bytes |",
              f"| {interval(bench['fixed'], turned=True)}: double"]
     assert not missing("precision", lines), missing("precision", lines)
@@ -111,20 +112,32 @@ def test_the_soak_did_what_is_said():
     assert not missing("soak", lines), missing("soak", lines)
 
 
-def test_choices_kept_what_they_were_counted_to_keep():
-    error, time, load_ = (load("accuracy", f"choose{which}.json") for which in ("", "-time", "-load"))
+def late_lines():
+    """What the times of the loaded machine came to."""
     kept = {}
-    for row in load_["rows"]:
+    for row in load("accuracy", "choose-load.json")["rows"]:
         inside = abs(row["seconds"] - row["time"]) <= 0.1 * row["time"]
         kept.setdefault(row["time"], []).append((inside, row["seconds"] - row["time"]))
     late = [f"{1000 * max(s for _, s in kept[t]):.0f}" for t in sorted(kept)]
     inside = [str(sum(i for i, _ in kept[t])) for t in sorted(kept)]
-    lines = [f"{error['error']['kept']} of {error['error']['runs']} runs (Wilson's 95% interval begins at "
-             f"{error['error']['at_least']:.2f}), the worst at {error['error']['worst']:.2f} of it",
-             f"{time['time']['kept']} of {time['time']['runs']} runs, the worst off by "
-             f"{100 * time['time']['worst']:.1f}%",
-             f"in {inside[0]}, {inside[1]} and {inside[2]} of 16 runs, the worst late by "
-             f"{late[0]}, {late[1]} and {late[2]} ms"]
+    yield (f"in {inside[0]}, {inside[1]} and {inside[2]} of 16 runs, the worst late by "
+           f"{late[0]}, {late[1]} and {late[2]} ms")
+
+
+def time_line(sums):
+    worst = 100 * max(s["worst"] for s in sums)
+    return (f"{sum(s['kept'] for s in sums)} of {sum(s['runs'] for s in sums)} runs, the worst off by "
+            f"{worst:.1f}%")
+
+
+def test_choices_kept_what_they_were_counted_to_keep():
+    scenes = {name: load("accuracy", f"choose-{name}.json") for name in ("room", "strips", "cluster")}
+    lines = [*late_lines(), time_line([load("accuracy", "choose-time.json")["time"]]),
+             time_line([scene["time"] for scene in scenes.values()])]
+    for name, scene in scenes.items():
+        error = scene["error"]
+        lines.append(f"{error['kept']} of {error['runs']} runs, the worst at {error['worst']:.2f} of it | "
+                     f"`choose-{name}.json`")
     assert not missing("accuracy", lines), missing("accuracy", lines)
 
 
@@ -153,8 +166,23 @@ def test_forecasts_hold_as_often_as_was_counted():
         row = row_of("accuracy/forecast", "fresh/forecasts.csv" if seeds == "fresh" else "forecasts.csv",
                      [first, "all", "all"])
         wrong += [] if judged == f"{row['judged']} of {row['forecasts']}" else [(which, judged)]
-        wrong += wrong_cells(which, said, [float(row[k]) for k in ("median", "median_near", "in_90")])
-    assert len(rows) == 4, rows
+        wrong += wrong_cells(which, said, [float(row[k]) for k in ("median", "median_near", "in_90", "bounds_hold",
+                                                             "all_hold")])
+    assert len(rows) == 6, rows
+    assert not wrong, wrong
+
+
+def test_large_pictures_errors_are_what_was_measured():
+    wrong, rows = [], table("accuracy/forecast", "| scene | 32 samples | 64 |")
+    for scene, few, many, flagged, *before in rows:
+        now, then = ([row_of("accuracy/forecast", f"fresh/{file}.csv", [scene, samples])
+                      for samples in ("32", "64")] for file in ("large", "large-before"))
+        wrong += wrong_cells(scene, [few, many, *before], [float(r["error"]) for r in now + then])
+        spreads = re.findall("±([0-9.]+)", few + many)
+        wrong += wrong_cells(scene, spreads, [float(r["spread"]) for r in now])
+        told = [int(r["seeds"]) - int(r["unflagged"]) for r in now]
+        wrong += [] if [flagged] * 2 == [f"{n} of 4" for n in told] else [(scene, flagged, told)]
+    assert len(rows) == 10, rows
     assert not wrong, wrong
 
 
@@ -172,6 +200,34 @@ def test_strips_are_as_far_from_sub_rays_as_was_measured():
         wrong += wrong_cells((reading, alpha, bend), said,
                              [six[0], six[1], five[1], six[2] / six[0], five[2] / five[0]])
     assert len(rows) == 16, rows
+    assert not wrong, wrong
+
+
+def test_hollow_strips_are_off_by_roughness_as_was_measured():
+    data = [r for r in load("mattes", "strips.csv") if (r["bend"], r["distance"], r["cut"]) == ("hollow", "any", "0")]
+    wrong, rows = [], table("mattes", "| roughness | 0 |")
+    for what, *said in rows:
+        told = re.match(r"off from (\w+), alpha ([\d.]+)", what)
+        reading, alpha = told.groups() if told else ("coverage", "0.1")
+        found = sorted((r for r in data if (r["reading"], r["alpha"], r["clamp"]) == (reading, alpha, "1")),
+                       key=lambda r: float(r["roughness"]))
+        wrong += wrong_cells(what, said, [float(r["pixels" if what == "pixels" else "off"]) for r in found])
+        assert len(found) == len(said) == 8, (what, found)
+    assert len(rows) == 5, rows
+    assert not wrong, wrong
+
+
+def test_twelve_slots_are_as_exact_as_was_measured():
+    scenes = ("plant", "shelves", "cluster", "water", "strips", "forty")
+    data = {(r["scene"], r["policy"]): r for r in load("mattes", "policies.csv")
+            if (r["slots"], r["kind"]) == ("12", "bounced")}
+    wrong, rows = [], table("mattes", "| 12 slots | plant |")
+    for policy, *said in rows:
+        wrong += wrong_cells(policy, said, [1 - float(data[scene, policy]["within"]) for scene in scenes])
+        worst = [(data[scene, policy]["worst"], re.search(r"\(([\d.]+) at worst", cell))
+                 for scene, cell in zip(scenes, said)]
+        wrong += [(policy, v, m[1]) for v, m in worst if m and differs(m[1], None, float(v))]
+    assert len(rows) == 4, rows
     assert not wrong, wrong
 
 

@@ -127,7 +127,8 @@ static void write_picture(const struct glint_frame *frame, const char *path)
     free(rows);
 }
 
-// One reflection per microfacet, as the peers have it. Samples keep their full radiance.
+// One reflection per microfacet, as the peers have it. Samples keep their full radiance. A bounce of
+// theirs is one after the first surface, which ours counts too.
 static struct glint_job *job_of(const struct scene *s, unsigned samples, unsigned seed)
 {
     char text[512];
@@ -135,7 +136,7 @@ static struct glint_job *job_of(const struct scene *s, unsigned samples, unsigne
              "{\"scene\":\"peers\",\"resolution\":[%u,%u],\"outputs\":[\"beauty\"],"
              "\"filter\":{\"kind\":\"box\",\"width\":1},\"max_bounces\":%u,"
              "\"accuracy\":{\"microfacet\":\"single\"},\"seed\":%u,\"stop\":{\"samples\":%u}}",
-             s->width, s->height, s->bounces, seed, samples);
+             s->width, s->height, s->bounces + 1, seed, samples);
     return offline_job(text);
 }
 

@@ -121,8 +121,8 @@ def settings(width, height, bounces, samples, seed):
     values = {
         "renderengine.type": "PATHCPU", "renderengine.seed": seed, "batch.haltspp": samples,
         "native.threads.count": os.cpu_count(), "sampler.sobol.adaptive.strength": 0.0,
-        "path.pathdepth.total": bounces + 1, "path.pathdepth.diffuse": bounces + 1,
-        "path.pathdepth.glossy": bounces + 1, "path.pathdepth.specular": bounces + 1,
+        "path.pathdepth.total": bounces + 2, "path.pathdepth.diffuse": bounces + 2,
+        "path.pathdepth.glossy": bounces + 2, "path.pathdepth.specular": bounces + 2,
         "path.clamping.variance.maxvalue": 0.0, "path.hybridbackforward.enable": False,
         "film.width": width, "film.height": height, "film.filter.type": "NONE", # a box of a pixel
         "film.imagepipelines.0.0.type": "NOP",
