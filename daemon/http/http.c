@@ -21,10 +21,9 @@
 #include <sys/socket.h>
 #include <time.h>
 
-#define LIBRARY_THREADS 2
 // The library's own limit only keeps it alive: what is over ours gets an answer. It holds per
 // thread.
-#define MOST_CONNECTIONS (LIBRARY_THREADS * 131072u)
+#define MOST_CONNECTIONS (GLINT_HTTP_THREADS * 131072u)
 #define FRAME_BYTES ((size_t)256 << 20)
 #define CARE_SECONDS 0.2 // between looks after streams
 // Of sending tiles in one round, of which there are up to 500 a second: an eighth of a core.
@@ -214,11 +213,11 @@ static glint_status start_library(glint_http *h, bool secure, struct glint_error
     const struct MHD_OptionItem *const extra = secure ? tls : tls + 2;
     h->mhd = MHD_start_daemon(
         flags, 0, NULL, NULL, glint_dispatch_request, h, MHD_OPTION_EXTERNAL_LOGGER, log_library,
-        NULL, MHD_OPTION_THREAD_POOL_SIZE, (unsigned)LIBRARY_THREADS, MHD_OPTION_CONNECTION_LIMIT,
-        MOST_CONNECTIONS, MHD_OPTION_CONNECTION_MEMORY_LIMIT, CONNECTION_BYTES,
-        MHD_OPTION_NOTIFY_COMPLETED, glint_dispatch_completed, h, MHD_OPTION_NOTIFY_CONNECTION,
-        on_connection, h, MHD_OPTION_UNESCAPE_CALLBACK, leave_escaped, h, MHD_OPTION_ARRAY, extra,
-        MHD_OPTION_END);
+        NULL, MHD_OPTION_THREAD_POOL_SIZE, (unsigned)GLINT_HTTP_THREADS,
+        MHD_OPTION_CONNECTION_LIMIT, MOST_CONNECTIONS, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        CONNECTION_BYTES, MHD_OPTION_NOTIFY_COMPLETED, glint_dispatch_completed, h,
+        MHD_OPTION_NOTIFY_CONNECTION, on_connection, h, MHD_OPTION_UNESCAPE_CALLBACK, leave_escaped,
+        h, MHD_OPTION_ARRAY, extra, MHD_OPTION_END);
     return h->mhd ? GLINT_OK : glint_fail(err, GLINT_E_IO, "", "the HTTP library does not start");
 }
 

@@ -12,6 +12,8 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
+#define GLINT_HTTP_THREADS 2u // of the library
+
 // Where a handler runs. A lane's threads may wait for what they do, never for one another.
 enum glint_lane {
     GLINT_LANE_NOW,    // in the library's thread: looks something up, no more

@@ -311,18 +311,28 @@ def wait_silence(manager, period, periods):
         silent = 0 if told else silent + 1
 
 
+def silenced_by(tid, manager, period, periods):
+    manager.until("WATCHDOG")
+    with halted(tid):
+        wait_silence(manager, period, periods)
+    manager.until("WATCHDOG")  # it goes on
+
+
 def test_the_watchdog_is_not_told_while_one_of_them_hangs():
     period = 0.4
     with Manager() as manager:
         environment = {"NOTIFY_SOCKET": manager.path, "WATCHDOG_USEC": str(int(period * 1e6))}
         with Daemon("--threads", "1", environment=environment) as daemon:
-            for name in ["scheduler", "journal", "MHD-worker"]:
+            for name in ["scheduler", "journal"]:
                 tid = next(threads(daemon.process, name))
-                manager.until("WATCHDOG")
-                with halted(tid):
-                    # One HTTP thread of two is asked every other time only.
-                    wait_silence(manager, period, 1 if name == "MHD-worker" else 3)
-                manager.until("WATCHDOG")  # it goes on
+                silenced_by(tid, manager, period, 3)
+            clients = [socket.create_connection(("127.0.0.1", daemon.port)) for _ in range(32)]
+            for client in clients[::2]:  # descriptors that are free are even, or odd
+                client.close()
+            for tid in threads(daemon.process, "MHD-worker"):  # two: each is asked every other time
+                silenced_by(tid, manager, period, 1)
+            for client in clients[1::2]:
+                client.close()
 
 
 def test_without_a_watchdog_nothing_is_told():
