@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define MAX_LIST 1024
@@ -100,9 +101,20 @@ static bool number(const struct glint_json *at, double *out)
     return isfinite(*out) || glint_json_fault(at, "the number is too large to be represented");
 }
 
+// As few digits as name the same float: 1e-06, not 9.99999997e-07.
+static const char *bound(double x, char out[24])
+{
+    snprintf(out, 24, "%.6g", x);
+    if ((float)strtod(out, NULL) != (float)x)
+        snprintf(out, 24, "%.9g", x);
+    return out;
+}
+
 static bool outside(const struct glint_json *at, double x, double low, double high)
 {
-    return glint_json_fault(at, "%.9g is outside of %.9g to %.9g", x, low, high);
+    char from[24], to[24];
+    return glint_json_fault(at, "%.9g is outside of %s to %s", x, bound(low, from),
+                            bound(high, to));
 }
 
 bool glint_json_double(const struct glint_json *at, double low, double high, double *out)

@@ -222,6 +222,21 @@ static void every_bad_value_is_named_with_its_pointer(void **state)
     finish(&r);
 }
 
+static void bounds_are_told_as_they_were_written(void **state)
+{
+    (void)state;
+    struct reading r;
+    start(&r, "{\"yfov\":4}");
+    const struct glint_json at = glint_json_member(&r.root, "yfov");
+    float f = 7;
+    double d = 7;
+    assert_false(glint_json_float(&at, 1e-6f, 3.1415925f, &f));
+    assert_false(glint_json_double(&at, 0.01, 2.5, &d));
+    assert_string_equal(r.err.fault[0].detail, "4 is outside of 1e-06 to 3.1415925");
+    assert_string_equal(r.err.fault[1].detail, "4 is outside of 0.01 to 2.5");
+    finish(&r);
+}
+
 static void an_absent_value_leaves_the_default(void **state)
 {
     (void)state;
@@ -374,6 +389,7 @@ int main(void)
         cmocka_unit_test(limits_hold_before_memory_is_spent),
         cmocka_unit_test(a_key_that_appears_twice_is_a_fault_at_its_pointer),
         cmocka_unit_test(every_bad_value_is_named_with_its_pointer),
+        cmocka_unit_test(bounds_are_told_as_they_were_written),
         cmocka_unit_test(an_absent_value_leaves_the_default),
         cmocka_unit_test(integers_hold_to_their_bounds),
         cmocka_unit_test(written_floats_read_back_and_are_short),
