@@ -17,7 +17,7 @@ struct gk_frame {
     gk_u32 has_lens;
     gk_u32 seed;
     gk_u32 max_bounces;
-    gk_u32 roulette_start; // bounces before roulette; GK_NONE: never
+    gk_u32 roulette_start; // bounces before roulette by the share alone; GK_NONE: never
     gk_f32 filter_width;   // pixels, box
     gk_u32 lights;         // entries of the light table
     gk_f32 environment[3]; // constant radiance, or factor of the image
@@ -49,9 +49,10 @@ struct gk_frame {
     // Mattes through bounces (gk_transport.h):
     gk_f32 matte_alpha;
     gk_f32 matte_slope, matte_radius; // of a camera sample's cone where it starts
-    gk_u32 matte_bins;  // classes by the way from the camera: up to 1 m, 2 m, 4 m, .., beyond
-    gk_u32 matte_flags; // GK_MATTES_*
-    gk_u32 unused[3];
+    gk_u32 matte_bins;      // classes by the way from the camera: up to 1 m, 2 m, 4 m, .., beyond
+    gk_u32 matte_flags;     // GK_MATTES_*
+    gk_u32 roulette_little; // bounces before that of paths that carry little; GK_NONE: never
+    gk_u32 unused[2];
 };
 GK_LAYOUT(gk_frame, 960);
 

@@ -8,6 +8,8 @@
 #include "kernels/gk_radiance.h"
 #include "kernels/gk_vertex.h"
 
+#define GK_LITTLE 0.25f // of the light that a path set out with
+
 struct gk_lights {
     const __global struct gk_light *light;
     const __global struct gk_alias *alias;
@@ -222,6 +224,18 @@ GK_INLINE void gk_pass_coverage(__global float *wave, gk_u32 stride, gk_u32 i,
 #endif
 }
 
+// Probability with which a path goes on that has had `depth` bounces. share: of its light that this one
+// leaves; carried: that which is left. Never below the share, so that a bounce can hand on no more
+// coverage than it has; before roulette_start bounces only paths that carry little play, and a path that
+// survives then carries GK_LITTLE again, or less where this surface is darker than the path so far.
+GK_INLINE gk_f32 gk_survival(const __global struct gk_frame *frame, gk_u32 depth, gk_f32 share,
+                             gk_f32 carried)
+{
+    const gk_f32 much = carried / (GK_LITTLE * frame->weight);
+    const gk_f32 q = depth >= frame->roulette_start ? share : gk_max(share, much);
+    return depth >= frame->roulette_little ? gk_min(q, 1.0f) : 1.0f;
+}
+
 // Stores the path's next ray, or none.
 GK_INLINE void gk_go_on(__global float *wave, gk_u32 stride, gk_u32 i,
                         const __global struct gk_frame *frame, const struct gk_resident *scene,
@@ -235,8 +249,8 @@ GK_INLINE void gk_go_on(__global float *wave, gk_u32 stride, gk_u32 i,
     const gk_f32 strongest = gk_max3(next.weight) * gk_next_share(x, &next);
 
     // One roulette rule for all jobs, blind to mattes: survive with q >= min(1, mean share).
-    const gk_i32 plays = depth >= frame->roulette_start && !x->passes;
-    const gk_f32 q = plays ? gk_min(strongest, 1.0f) : 1.0f;
+    const gk_f32 carried = gk_max3(gk_mul(x->path.beta, next.weight));
+    const gk_f32 q = x->passes ? 1.0f : gk_survival(frame, depth, strongest, carried);
     const gk_i32 alive = (x->scatters || x->passes) && !x->fails && next.possible &&
                          strongest > 0.0f && u_roulette < q;
     const struct gk_vec beta =

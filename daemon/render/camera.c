@@ -166,8 +166,18 @@ static void fill_lighting(const struct glint_view *r, struct gk_frame *f)
     f->grid_owners = l->grid_owners;
 }
 
-// Bounces before roulette: the first ones carry most of a picture.
+// Bounces before roulette: the first ones carry most of a picture, but where surfaces are dark the second
+// is left with little of it. A whole scene that starts at the second bounce gains on dark ones what it
+// loses on glossy and white ones (tests/bench/history.csv).
 #define ROULETTE_START 3u
+#define ROULETTE_LITTLE 1u
+
+static void fill_roulette(const struct glint_job *job, struct gk_frame *f)
+{
+    const bool plays = job->dial[GLINT_DIAL_ROULETTE] != 0;
+    f->roulette_start = plays ? ROULETTE_START : UINT32_MAX;
+    f->roulette_little = plays ? ROULETTE_LITTLE : UINT32_MAX;
+}
 
 static uint32_t matte_flags(const struct glint_job *job)
 {
@@ -210,7 +220,7 @@ void glint_render_constants(const struct glint_view *r, struct gk_frame *out)
     out->max_bounces = r->job.max_bounces;
     if (r->job.dial[GLINT_DIAL_GI] == 1 && out->max_bounces > 1)
         out->max_bounces = 1; // gi none: direct light only
-    out->roulette_start = r->job.dial[GLINT_DIAL_ROULETTE] == 0 ? UINT32_MAX : ROULETTE_START;
+    fill_roulette(&r->job, out);
 }
 
 void glint_render_matrices(const struct glint_view *r, float world_to_camera[16],

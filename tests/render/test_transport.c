@@ -21,6 +21,31 @@ static struct glint_frame *render_text(const char *scene, const char *job)
     return frame;
 }
 
+// A frame, and what it took.
+struct traced {
+    struct glint_frame *frame;
+    struct glint_render_state state;
+};
+
+static struct traced traced_text(const char *scene, const char *text)
+{
+    glint_resident *resident = offline_load_text(&offline_crew, scene);
+    struct glint_job *job = offline_job(text);
+    struct glint_error err = {0};
+    glint_render *render = NULL;
+    struct traced t = {.frame = NULL};
+    if (glint_render_create(&render, offline_crew.devices, resident, NULL, job, &err))
+        offline_die("render", &err);
+    offline_render(&offline_crew, render);
+    if (glint_render_frame(render, job->outputs, &t.frame, NULL, &err))
+        offline_die("frame", &err);
+    glint_render_state(render, &t.state);
+    glint_render_destroy(&render);
+    glint_job_destroy(&job);
+    glint_resident_release(&resident);
+    return t;
+}
+
 static size_t pixels(const struct glint_frame *f)
 {
     return (size_t)f->width * f->height;
@@ -83,6 +108,40 @@ static void closed_emitting_sphere_shows_radiance_one(void **state)
     // n = 262144, a sample's standard deviation s below 1/2: a bias of d = 0.008 shows.
     assert_odds(mean_of(f, "G") - 1.0, error_of_even(f), 4e-5);
     glint_frame_destroy(&f);
+}
+
+// Closed rooms of walls that reflect `albedo` and emit the rest show radiance 1. Walls are flat: nothing
+// is lost at facets. Rays after the first scattering: all paths have one, and then
+// - of .1, .04 times its light is below the share: one in ten goes on, each time. 1/(1 - .1).
+// - of .4, .16 of the light is left: .64 go on, each carrying a quarter; then .4. 1 + .64/(1 - .4).
+// - of .8, more than a quarter is left: all have three, and then .8 go on. 3 + .8/(1 - .8).
+// `spread` is their standard deviation if samples are independent; strata make it less.
+static void dark_rooms_end_paths_sooner_than_white_ones_and_show_the_same(void **state)
+{
+    (void)state;
+    static const struct {
+        double albedo, rays, spread;
+    } room[] = {{0.1, 1.0 / 0.9, 0.352}, {0.4, 1.0 + 0.64 / 0.6, 1.163}, {0.8, 7.0, 4.473}};
+    for (size_t i = 0; i < sizeof room / sizeof *room; i++) {
+        const double a = room[i].albedo, e = 1.0 - a;
+        char scene[512];
+        snprintf(scene, sizeof scene,
+                 "{\"materials\":{\"m\":{\"base_color\":[%g,%g,%g],\"ior\":1,\"emission\":[%g,%g,"
+                 "%g]}},\"meshes\":{\"b\":{\"primitive\":\"box\",\"size\":[4,3,5]}},"
+                 "\"instances\":{\"b\":{\"mesh\":\"b\",\"material\":\"m\"}}," CAMERA(0.5) "}",
+                 a, a, a, e, e, e);
+        struct traced t =
+            traced_text(scene, "{\"scene\":\"s\",\"resolution\":[32,32],\"outputs\":[\"beauty\"],"
+                               "\"max_bounces\":64,\"stop\":{\"samples\":256}}");
+        const double n = (double)t.state.camera_rays, rays = (double)t.state.bounce_rays / n;
+        const double error = room[i].spread / sqrt(n);
+        print_message("# albedo %g: %.5f rays, %.5f +- %.5f expected; radiance %.5f\n", a, rays,
+                      room[i].rays, error, mean_of(t.frame, "G"));
+        odds_note(__FILE__, __func__, "slack", rays - room[i].rays, error);
+        assert_float_equal(rays, room[i].rays, ODDS_Z * error);
+        assert_odds(mean_of(t.frame, "G") - 1.0, error_of_even(t.frame), 1e-6);
+        glint_frame_destroy(&t.frame);
+    }
 }
 
 // A surface that absorbs nothing cannot be told from its uniform surroundings.
@@ -413,6 +472,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_emitting_sphere_shows_radiance_one),
+        cmocka_unit_test(dark_rooms_end_paths_sooner_than_white_ones_and_show_the_same),
         cmocka_unit_test(white_object_vanishes_in_a_white_environment),
         cmocka_unit_test(rough_surfaces_never_gain_energy),
         cmocka_unit_test(closed_room_lets_no_light_in),
