@@ -4,6 +4,7 @@
 #include <string.h>
 
 #define LATE_SECONDS 1.0 // what was so long ago counts a third of what is now
+#define LEAST_SHARE 1e-6 // less is shown as none: shares fade for ever, to 1e-158 and beyond
 
 // The share at `now`: what it does it has done since it was seen last.
 static double share_at(const struct glint_use *use, double now)
@@ -26,7 +27,9 @@ void glint_use_add(struct glint_use *use, double seconds)
 
 struct glint_worker_use glint_use_look(const struct glint_use *use, double now)
 {
-    struct glint_worker_use out = {.busy_seconds = use->seconds, .share = share_at(use, now)};
+    const double share = share_at(use, now);
+    struct glint_worker_use out = {.busy_seconds = use->seconds,
+                                   .share = share < LEAST_SHARE ? 0 : share};
     strcpy(out.job, use->job);
     return out;
 }

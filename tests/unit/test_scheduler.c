@@ -1,4 +1,5 @@
 #include "base/thread.h"
+#include "jobs/use.h"
 #include "jobs_fixture.h"
 
 #include <setjmp.h>
@@ -195,6 +196,18 @@ static void workers_tell_whose_slice_they_run(void **state)
     assert_string_equal(use[1].job, "");
     assert_true(use[0].busy_seconds + use[1].busy_seconds > 0);
     fixture_stop(&f);
+}
+
+static void a_share_fades_and_is_none_in_the_end(void **state)
+{
+    (void)state;
+    struct glint_use use = {0};
+    glint_use_set(&use, "job", 10);
+    glint_use_set(&use, NULL, 15);
+    assert_true(glint_use_look(&use, 15).share > 0.99);
+    const double later = glint_use_look(&use, 17).share;
+    assert_true(later > 0.13 && later < 0.14);
+    assert_true(glint_use_look(&use, 60).share == 0);
 }
 
 static void compiling_holds_up_neither_slices_nor_answers(void **state)
@@ -448,6 +461,7 @@ int main(void)
         cmocka_unit_test(a_client_with_one_job_is_served_as_much_as_one_with_twenty),
         cmocka_unit_test(the_next_slice_of_every_worker_is_the_most_important),
         cmocka_unit_test(workers_tell_whose_slice_they_run),
+        cmocka_unit_test(a_share_fades_and_is_none_in_the_end),
         cmocka_unit_test(compiling_holds_up_neither_slices_nor_answers),
         cmocka_unit_test(a_cancelled_job_gives_up_what_runs_and_begins_no_more),
         cmocka_unit_test(a_paused_job_gets_no_slice_and_its_clock_stands),
