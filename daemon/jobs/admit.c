@@ -129,6 +129,23 @@ static struct glint_entry *new_entry(const struct glint_job *job,
     return e;
 }
 
+static double expected_error(const cJSON *chosen)
+{
+    const cJSON *error = cJSON_GetObjectItemCaseSensitive(chosen, "expected_error");
+    return cJSON_IsNumber(error) ? error->valuedouble : 0.0;
+}
+
+// A job ends at the most samples that it may take, whatever its error is then.
+static void warn_of_reach(cJSON *warnings, const struct glint_job *job, const cJSON *chosen)
+{
+    const double expected = expected_error(chosen);
+    if (job->budget.error > 0 && expected > job->budget.error)
+        glint_warn(warnings,
+                   "the error asked for, %.3g, is not expected within the samples that the job may "
+                   "take: %.3g is",
+                   job->budget.error, expected);
+}
+
 static void warn_of_front(cJSON *warnings, const cJSON *chosen)
 {
     const char *from = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(chosen, "from"));
@@ -158,6 +175,7 @@ static void fill(struct glint_entry *e, struct glint_job *job, glint_revision *r
     warn_of_mattes(e->warnings, glint_resident_scene(glint_revision_resident(revision)),
                    job->outputs);
     warn_of_front(e->warnings, e->chosen);
+    warn_of_reach(e->warnings, job, e->chosen);
 }
 
 // Picks the settings of a job with a budget. *asked: the job as it was before.

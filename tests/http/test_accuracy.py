@@ -98,6 +98,22 @@ def test_a_front_of_a_scene_that_has_changed_is_said_to_be_of_another_revision()
         assert daemon.post(wish).json()["warnings"] == []
 
 
+def test_an_error_that_takes_more_samples_than_a_job_may_take_is_said_to_be_out_of_reach():
+    with Daemon() as daemon:
+        daemon.put("room", ROOM)
+        put_front(daemon, FRONT)
+        for wish in ({"accuracy": {"error": 0.03}, "stop": {"samples": 32}},
+                     {"accuracy": {"error": 1e-6}}):  # 2^24 samples are the most there are
+            job = daemon.post({**SMALL, **wish}).json()
+            asked = wish["accuracy"]["error"]
+            assert job["chosen"]["expected_error"] > asked, job["chosen"]
+            assert any(f"asked for, {asked:.3g}" in text for text in job["warnings"]), job["warnings"]
+            daemon.delete(f"/v1/jobs/{job['id']}")
+        near = daemon.post({**SMALL, "accuracy": {"error": 0.3}}).json()
+        assert near["chosen"]["expected_error"] <= 0.3, near["chosen"]
+        assert not any("asked for" in text for text in near["warnings"]), near["warnings"]
+
+
 def test_a_budget_and_what_else_a_job_may_say():
     with Daemon() as daemon:
         daemon.put("room", ROOM)
