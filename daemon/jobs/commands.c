@@ -173,7 +173,8 @@ static glint_status extend(glint_scheduler *s, struct glint_entry *e,
     return e->job->sample_range[1]
                ? glint_fail(err, GLINT_E_CONFLICT, "/stop", "the job renders a range of samples")
                : glint_fail(err, GLINT_E_CONFLICT, "/stop/samples",
-                            "samples past %u are being taken", stop->samples);
+                            "parts of the frame have samples past %u already, or get them now",
+                            stop->samples);
 }
 
 static bool has_time(const struct glint_entry *e, const struct glint_job_stop *stop)
