@@ -110,14 +110,18 @@ static cJSON *describe(const struct source *s, const glint_revision *revision,
     return object;
 }
 
-// Another error than any point reaches is named with the least that one does.
+// An error that no point reaches is named with the least that one does.
 static glint_status unreachable(const struct glint_front *front, const struct glint_job *job,
                                 struct glint_error *err)
 {
+    if (!(job->budget.error > 0))
+        return glint_fail(err, GLINT_E_RANGE, "/accuracy",
+                          "no settings measured for this scene are those that the job gives: leave "
+                          "them to the choice, or give no time");
     double least = INFINITY;
     for (size_t i = 0; i < front->points; i++)
         least = fmin(least, front->point[i].bias);
-    return glint_fail(err, GLINT_E_RANGE, job->budget.error > 0 ? "/accuracy/error" : "/accuracy",
+    return glint_fail(err, GLINT_E_RANGE, "/accuracy/error",
                       "no settings measured for this scene reach that with those that the job "
                       "gives; the least bias known of any is %.3g",
                       least);

@@ -76,6 +76,10 @@ def test_settings_are_picked_from_the_front_and_told():
         assert pinned["chosen"]["row"] == "exact" and pinned["chosen"]["expected_seconds"] == 0.05
         refused = daemon.post({**SMALL, "accuracy": {"error": 0.05, "gi": "none"}})
         assert refused.status == 422 and refused.pointers() == ["/accuracy/error"]
+        put_front(daemon, {"points": FRONT["points"][1:]})
+        refused = daemon.post({**SMALL, "accuracy": {"time": 1, "gi": "path"}})
+        assert refused.status == 422 and refused.pointers() == ["/accuracy"]
+        assert "those that the job gives" in refused.body.decode()
         assert "chosen" not in finished(daemon, stop={"samples": 1})
 
 
