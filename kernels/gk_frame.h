@@ -52,7 +52,8 @@ struct gk_frame {
     gk_u32 matte_bins;      // classes by the way from the camera: up to 1 m, 2 m, 4 m, .., beyond
     gk_u32 matte_flags;     // GK_MATTES_*
     gk_u32 roulette_little; // bounces before that of paths that carry little; GK_NONE: never
-    gk_u32 unused[2];
+    gk_u32 grid_many;       // 1: sixteen candidates for a light, and not four
+    gk_u32 unused;
 };
 GK_LAYOUT(gk_frame, 960);
 

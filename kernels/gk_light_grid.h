@@ -13,8 +13,8 @@
 // pdf, keep (of members) and share are floats. Probabilities are those that the rounded tables
 // really have.
 //
-// Of four lights chosen so, or of sixteen where clusters are many, one is kept in proportion to the
-// unshadowed light that it brings (resampled importance sampling, Talbot et al. 2005). MIS weighs by
+// Of four lights chosen so, or of sixteen where clusters are many and points, spots or suns among them,
+// one is kept in proportion to the unshadowed light that it brings (resampled importance sampling, Talbot et al. 2005). MIS weighs by
 // the density of all of them, which is a function of the direction alone: any such weight is unbiased.
 #ifndef GK_LIGHT_GRID_H
 #define GK_LIGHT_GRID_H
@@ -26,12 +26,13 @@
 #define GK_GRID_MEMBER 3u
 #define GK_GRID_OWNER 2u
 #define GK_GRID_KEEP 65536.0f
-#define GK_GRID_MANY 1024u // clusters, from which on sixteen candidates pay
+#define GK_GRID_MANY 1024u // clusters, from which on sixteen candidates may pay
 
 struct gk_light_grid {
     const GK_GLOBAL gk_u32 *word;
     gk_u32 cell;     // first word of the point's entries
     gk_u32 clusters; // 0: there is no grid
+    gk_u32 many;     // 1: sixteen candidates are drawn, and not four
     gk_u32 first_cluster, first_member, first_owner;
 };
 
@@ -67,6 +68,7 @@ GK_INLINE struct gk_light_grid gk_light_grid_at(const GK_GLOBAL struct gk_frame 
     struct gk_light_grid g;
     g.word = words;
     g.clusters = f->grid_clusters;
+    g.many = f->grid_many;
     g.cell = cell * f->grid_clusters * GK_GRID_ENTRY;
     g.first_cluster = cells * f->grid_clusters * GK_GRID_ENTRY;
     g.first_member = f->grid_members;
@@ -113,7 +115,7 @@ GK_INLINE struct gk_light_pick gk_grid_choose(const struct gk_light_grid *g,
 GK_INLINE gk_i32 gk_grid_many(const struct gk_light_grid *g)
 {
 #ifdef GK_LIGHT_GRID_MANY
-    return g->clusters >= GK_GRID_MANY;
+    return g->many != 0u;
 #else
     (void)g;
     return 0;

@@ -162,6 +162,7 @@ static void fill_lighting(const struct glint_view *r, struct gk_frame *f)
     memcpy(f->grid_scale, l->grid_scale, sizeof f->grid_scale);
     memcpy(f->grid_size, l->grid_size, sizeof f->grid_size);
     f->grid_clusters = l->grid_clusters;
+    f->grid_many = l->grid_many;
     f->grid_members = l->grid_members;
     f->grid_owners = l->grid_owners;
 }

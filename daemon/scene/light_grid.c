@@ -1,5 +1,6 @@
 #include "scene/light_grid.h"
 
+#include "kernels/gk_light_grid.h"
 #include "scene/alias.h"
 #include "scene/light_clusters.h"
 
@@ -287,6 +288,17 @@ static glint_status fill(struct build *b, struct glint_error *err)
     return GLINT_OK;
 }
 
+// Whether some light has no area. A point that is close outshines all others of its cluster and of the
+// cells around it, so that many candidates must look for it, and no ray of a surface's own finds it. An
+// area that is as close is found by such rays, and MIS takes from the light sample what they bring.
+static bool has_point(const struct build *b)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < b->members; i++)
+        any |= (b->order->light[b->by_cluster[i]].kind & GK_LIGHT_KIND) != GK_LIGHT_TRIANGLE;
+    return any;
+}
+
 glint_status glint_light_grid_build(uint32_t **words, size_t *count,
                                     struct glint_scene_lighting *lighting,
                                     const struct glint_light_grid_order *order,
@@ -302,6 +314,7 @@ glint_status glint_light_grid_build(uint32_t **words, size_t *count,
     if (!st) {
         b->clusters =
             glint_light_clusters(b->cluster, CLUSTERS, b->by_cluster, b->members, b->shine);
+        lighting->grid_many = b->clusters >= GK_GRID_MANY && has_point(b);
         tabulate(b);
         defend(b);
         box_of_lights(b);

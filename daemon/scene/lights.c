@@ -210,7 +210,7 @@ static glint_status choose_where(struct glint_resident *r, const double *power,
                                                  r->lights, r->half};
     size_t count;
     glint_status st = glint_light_grid_build(&words, &count, &r->lighting, &order, err);
-    r->facts.light_grid_many = !st && r->lighting.grid_clusters >= GK_GRID_MANY;
+    r->facts.light_grid_many = !st && r->lighting.grid_many;
     if (!st)
         st = glint_buffer_create(&r->table[GLINT_TABLE_LIGHT_CELLS], r->devices,
                                  count * sizeof *words, err);

@@ -95,6 +95,7 @@ struct glint_scene_lighting {
     float grid_scale[3];
     uint32_t grid_size[3]; // cells along each axis, 0: no grid
     uint32_t grid_clusters;
+    bool grid_many;                     // sixteen candidates for a light, and not four
     uint32_t grid_members, grid_owners; // words of the light cells' table
 };
 const struct glint_scene_lighting *glint_resident_lighting(const glint_resident *resident);

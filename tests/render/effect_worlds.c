@@ -29,7 +29,9 @@ static const struct effect_world dark = {"'environment':{'radiance':[0,0,0]},", 
                                          24};
 static const struct effect_world bulb = {POINT, "'ior':1", "", "", 24};
 static const struct effect_world shining = {"", "'ior':1,'emission':[1,1,1]", "", "", 24};
-static const struct effect_world crowd = {"", "'ior':1,'emission':[1,1,1]", "", "", 64};
+// Areas alone, and with a point among them.
+static const struct effect_world areas = {"", "'ior':1,'emission':[1,1,1]", "", "", 64};
+static const struct effect_world crowd = {POINT, "'ior':1,'emission':[1,1,1]", "", "", 64};
 static const struct effect_world clear = {SKY, "'ior':1,'transmission':1", "", "", 24};
 static const struct effect_world smooth = {SKY, "'roughness':0", "", "", 24};
 static const struct effect_world metal = {SKY, "'ior':1,'metallic':1", "", "", 24};
@@ -131,7 +133,7 @@ const struct effect_forcing effect_forcings[] = {
     {"motion", &effect_lamp, ""},
     {"camera motion", &effect_sky, ""},
     {"light grid", &effect_lamp, ""},
-    {"light grid of many", &shining, ""},
+    {"light grid of many", &areas, ""},
     {"orthographic view", &effect_sky, ""},
     {"motion vectors", &effect_sky, "first-hit AOVs"},
     {"first-hit AOVs", &effect_sky, ""},
@@ -248,11 +250,11 @@ const struct effect_cause effect_causes[] = {
      BEAUTY,
      "alpha blending|" CONSTANT},
     {"light grid",
-     {"", "'ior':1,'emission':[1,1,1]", "", "", 24},
+     {"", "'ior':1,'emission':[1,1,1]", "", "", 64},
      {"'beauty'", "box", "", 0},
      "emission|light grid|light table"},
     {"light grid of many",
-     {"", "'ior':1,'emission':[1,1,1]", "", "", 64},
+     {POINT, "'ior':1,'emission':[1,1,1]", "", "", 64},
      {"'beauty'", "box", "", 0},
      "emission|light grid of many|light grid|light table"},
     {"orthographic view",
