@@ -337,6 +337,7 @@ static void assert_same_mean(struct spread a, struct spread b)
 
 static void enter(int areas)
 {
+    seed = 77; // each room whatever came before
     char *text = room_text(areas);
     room = offline_load_text(&o, text);
     free(text);
