@@ -20,11 +20,12 @@ export const uniqueKey = () => random(24);
 
 const client = `viewer-${random(8)}`;
 let token = sessionStorage.getItem("glint-token");
-let askToken = null; // () => Promise of a token or null
+let askToken = null; // (whether one was refused) => Promise: whether there is another now
 
+// f: (whether one was refused) => Promise of a token or null.
 export function onTokenNeeded(f) {
     let asked = null; // one question, however many requests are refused meanwhile
-    askToken = () => (asked ??= f().then((given) => {
+    askToken = (refused) => (asked ??= f(refused).then((given) => {
         asked = null;
         if (!given) return false;
         token = given.trim();
@@ -46,7 +47,7 @@ async function readProblem(response) {
 }
 
 export async function request(method, path, { body, type, headers: more, signal } = {}) {
-    const all = headers({ ...(type && { "Content-Type": type }), ...more });
+    const all = headers({ ...(type && { "Content-Type": type }), ...more }), used = token;
     let response;
     try {
         response = await fetch(path, { method, body, headers: all, signal, cache: "no-cache" });
@@ -55,7 +56,7 @@ export async function request(method, path, { body, type, headers: more, signal 
         throw new Problem(0, { title: "No answer", detail: "The daemon does not answer." });
     }
     if (response.ok) return response;
-    if (response.status === 401 && askToken && (await askToken()))
+    if (response.status === 401 && askToken && (token !== used || (await askToken(used !== null))))
         return request(method, path, { body, type, headers: more, signal });
     throw await readProblem(response);
 }

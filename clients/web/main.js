@@ -43,8 +43,9 @@ class Viewer {
             this.scenes.chosen = scene.name;
             this.refresh();
         });
-        onTokenNeeded(() => ask({ title: "Who are you?", name: "Token", yes: "Go on",
-            text: "This daemon asks for a token. It is kept until this tab is closed." }));
+        onTokenNeeded((refused) => ask({ title: "Who are you?", name: "Token", yes: "Go on",
+            text: refused ? "The daemon refused that token. Another one?"
+                : "This daemon asks for a token. It is kept until this tab is closed." }));
         this.#listen();
         listen(this);
     }

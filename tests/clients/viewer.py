@@ -480,9 +480,8 @@ def test_a_token_is_asked_for_and_kept_as_long_as_the_tab():
         file.write(made.stdout)
         file.flush()
         with Daemon("--token-file", file.name) as daemon, Browser(daemon) as page:
-            for secret in ("wrong", made.stderr.strip()):
-                page.until(lambda: page.focused() == "ask-input" and
-                           not page.run("return document.activeElement.value"))
+            for secret, says in ("wrong", "asks for a token"), (made.stderr.strip(), "refused that token"):
+                page.until(lambda: says in page.text("#ask-text") and page.focused() == "ask-input")
                 page.press(secret, Keys.ENTER)
             page.until(lambda: page.text("#machine"))
             page.run("location.reload()")
