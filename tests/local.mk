@@ -354,7 +354,7 @@ dist_check_DATA += tests/bench/README.md tests/bench/every_effect.py tests/bench
 	tests/http/contract_hooks.py tests/http/daemon.py tests/http/lasting.py tests/http/sandbox.py \
 	tests/http/rendering_watch.py tests/http/soak_plot.py \
 	tests/kernel/check.h tests/odds.h tests/kernel/probe.cl tests/kernel/density.h tests/kernel/surface.h \
-	tests/render/cryptomatte.py tests/render/cryptomatte_node.py \
+	tests/render/cryptomatte.py tests/render/cryptomatte_node.py tests/render/tools.py \
 	tests/render/peers/balls-white.json tests/render/peers/balls.json \
 	tests/render/peers/compare.py tests/render/peers/cornell.json \
 	tests/render/peers/cycles_render.py tests/render/peers/mitsuba_render.py \

@@ -6,12 +6,12 @@ import json
 import math
 import os
 import struct
-import subprocess
 import sys
 import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import tap
+from tools import exrinfo, run
 
 try:
     import numpy as np
@@ -26,10 +26,6 @@ TYPES = {"CryptoObject": "3ae39a5", "CryptoMaterial": "be359d6", "CryptoAsset": 
 
 def path(name):
     return os.path.join(FOLDER.name, name)
-
-
-def run(*command, **options):
-    return subprocess.run(command, check=True, capture_output=True, timeout=300, **options).stdout
 
 
 def scene():
@@ -142,7 +138,7 @@ def test_blenders_node_gives_the_mattes_of_the_numpy_decoder():
 
 def test_exrinfo_iinfo_and_oiiotool_read_the_frame():
     wanted = ["R", "A", *(f"{kind}0{layer}.{c}" for kind in TYPES for layer in range(6) for c in "RGBA")]
-    info = run(tap.tool("exrinfo"), "-v", frame()).decode()
+    info = exrinfo("-v", frame())
     lines = run(tap.tool("iinfo"), "-v", frame()).decode()
     for name in wanted:
         assert name in info and name in lines, name

@@ -5,12 +5,12 @@ OpenImageIO and the tools of OpenEXR use the C++ library; cryptomatte.py follows
 """
 import json
 import os
-import subprocess
 import sys
 import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import tap
+from tools import exrinfo, run
 
 try:
     import numpy as np
@@ -27,10 +27,6 @@ FOLDER = tempfile.TemporaryDirectory()
 
 def path(name):
     return os.path.join(FOLDER.name, name)
-
-
-def run(*command, **options):
-    return subprocess.run(command, check=True, capture_output=True, timeout=120, **options).stdout
 
 
 def known(compression="zip", layout="single"):
@@ -129,10 +125,10 @@ def test_multipart_has_colour_first_and_all_keys_there():
 
 
 def test_exrinfo_lists_the_channels_in_order():
-    text = run(tap.tool("exrinfo"), "-v", known()).decode()
+    text = exrinfo("-v", known())
     listed = [word for word in text.replace("'", " ").split() if word in read(known())[0].planes]
     assert listed and listed == sorted(listed, key=str.encode), text
-    assert len(run(tap.tool("exrinfo"), "-a", known("zip", "multipart"))) > 0
+    assert len(exrinfo("-a", known("zip", "multipart"))) > 0
 
 
 def test_iinfo_and_oiiotool_read_it():
