@@ -11,7 +11,8 @@
 #include <unistd.h>
 
 #define DEFAULT_DELAY 2.0
-#define HEAD_LINES 7 // and the line of titles
+#define FIRST_DELAY 0.5 // before the first table, which tells what happened meanwhile
+#define HEAD_LINES 7    // and the line of titles
 
 static const struct glint_column row[] = {
     {"JOB", "id", GLINT_COLUMN_TEXT},
@@ -152,20 +153,19 @@ static void show(const struct glint_session *s, const struct pace *p, struct gli
 static glint_status watch(struct glint_session *s, const struct pace *p,
                           struct glint_screen *screen, struct glint_error *err)
 {
-    struct glint_house before = {0}, now;
-    glint_status status = GLINT_OK;
-    for (uint64_t n = 1; !status; n++) {
-        status = glint_house_look(s, &now, err);
+    struct glint_house before, now;
+    glint_status status = glint_house_look(s, &before, err);
+    bool ends = !status && glint_screen_wait(screen, FIRST_DELAY);
+    for (uint64_t n = 1; !status && !ends; n++) {
+        status = glint_interrupt_pending() ? glint_fail(err, GLINT_E_BUSY, "", "interrupted")
+                                           : glint_house_look(s, &now, err);
         if (status)
             break;
         show(s, p, screen, &before, &now);
         glint_house_finish(&before);
         before = now;
-        if (n == p->times || glint_screen_wait(screen, p->delay))
-            break;
-        if (glint_interrupt_pending())
-            status = glint_fail(err, GLINT_E_BUSY, "", "interrupted");
-        if (!p->screen && !status)
+        ends = n == p->times || glint_screen_wait(screen, p->delay);
+        if (!p->screen && !ends)
             putchar('\n');
     }
     glint_house_finish(&before);

@@ -244,6 +244,8 @@ def test_top_is_one_table_where_nobody_watches():
         job = house.submit("--resolution", "48x32", "--samples", "1000000", "--name", "long")
         told = house.glint("top").stdout
         assert "workers at work" in told and "\033" not in told
+        titles, row = (told.splitlines()[-2:][i].split() for i in (0, 1))
+        assert row[0] == job and float(row[titles.index("WORKERS")]) >= 0  # of one look too
         assert "RESIDENT" in told and job in told and "long" in told
         looks = house.glint("top", "--times", "2", "--delay", "0.5").stdout
         assert looks.count("workers at work") == 2
