@@ -200,6 +200,8 @@ static void add_list(struct glint_text *t, const char *title, const cJSON *list,
                      const char *why)
 {
     const cJSON *item;
+    if (!cJSON_GetArraySize(list))
+        return;
     glint_text_print(t, "<h2>%s</h2>\n<ul>\n", title);
     cJSON_ArrayForEach(item, list) {
         const char *a = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(item, name));
