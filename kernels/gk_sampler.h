@@ -18,7 +18,8 @@
 // Samples alternate between two halves: sample s is element s >> 1 of half s & 1. The halves are
 // scrambled independently, so their difference estimates the error of their mean. Every power of
 // two of samples per half is a (0,m,2)-net in each pair. Jobs that want more than two independent
-// parts have sixteen, sample s being element s >> 4 of part s & 15.
+// parts have sixteen, sample s being element s >> 4 of part s & 15; jobs that do not ask for their error
+// have one, and sample s is element s.
 #ifndef GK_SAMPLER_H
 #define GK_SAMPLER_H
 

@@ -23,7 +23,7 @@ static const struct {
 
 static const char *const filters[] = {"box", "blackman_harris", NULL};
 static const char *const as_it_takes[] = {"auto", NULL};
-static const char *const estimates[] = {"halves", "batches", NULL};
+static const char *const estimates[] = {"halves", "batches", "none", NULL};
 const float glint_filter_widths[] = {[GLINT_FILTER_BOX] = 1, [GLINT_FILTER_BLACKMAN_HARRIS] = 1.5f};
 
 const struct glint_field glint_job_fields[] = {

@@ -41,8 +41,9 @@ enum glint_output {
 uint32_t glint_output_from_name(const char *name);
 const char *glint_output_name(uint32_t bit);
 
-// What a job's own error is estimated from: two halves of the samples, or 16 batches of them.
-enum glint_estimate_kind { GLINT_ESTIMATE_HALVES, GLINT_ESTIMATE_BATCHES };
+// What a job's own error is estimated from: two halves of the samples, or 16 batches of them. Or it
+// does not know it, and its samples are one sequence.
+enum glint_estimate_kind { GLINT_ESTIMATE_HALVES, GLINT_ESTIMATE_BATCHES, GLINT_ESTIMATE_NONE };
 
 enum glint_filter_kind { GLINT_FILTER_BOX, GLINT_FILTER_BLACKMAN_HARRIS };
 

@@ -290,6 +290,24 @@ static void check_adaptive(const struct glint_json *root, const struct glint_job
                          GLINT_ADAPTIVE_SAMPLES, job->stop.samples);
 }
 
+// What has no independent parts cannot be asked for its error.
+static void check_estimate(const struct glint_json *root, const struct glint_job *job)
+{
+    const struct glint_json stop = glint_json_member(root, "stop");
+    const struct glint_json accuracy = glint_json_member(root, "accuracy");
+    const struct {
+        bool asked;
+        struct glint_json at;
+    } needs[] = {{job->stop.error > 0, glint_json_member(&stop, "error")},
+                 {job->budget.error > 0, glint_json_member(&accuracy, "error")},
+                 {job->adaptive, glint_json_member(root, "adaptive")},
+                 {job->outputs & GLINT_OUT_VARIANCE, glint_json_member(root, "outputs")}};
+    for (size_t i = 0; job->estimate == GLINT_ESTIMATE_NONE && i < sizeof needs / sizeof *needs;
+         i++)
+        if (needs[i].asked)
+            glint_json_fault(&needs[i].at, "with estimate none a job does not know its noise");
+}
+
 static void read_members(const struct glint_json *root, struct glint_job *job)
 {
     const struct {
@@ -312,6 +330,7 @@ static void read_members(const struct glint_json *root, struct glint_job *job)
     check_live(root, job);
     check_budget(root, job);
     check_adaptive(root, job);
+    check_estimate(root, job);
     if (!job->name)
         job->name = glint_arena_string(&job->arena, "");
     if (!job->name)

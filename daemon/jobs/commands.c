@@ -163,6 +163,9 @@ static glint_status extend(glint_scheduler *s, struct glint_entry *e,
 {
     if (stop->samples == e->stop.samples && stop->error == e->stop.error)
         return GLINT_OK;
+    if (stop->error > 0 && e->job->estimate == GLINT_ESTIMATE_NONE)
+        return glint_fail(err, GLINT_E_CONFLICT, "/stop/error",
+                          "with estimate none the job does not know its noise");
     const uint32_t samples = samples_of(s, e);
     if (samples > stop->samples)
         return glint_fail(err, GLINT_E_CONFLICT, "/stop/samples",

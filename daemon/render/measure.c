@@ -12,6 +12,8 @@ void glint_render_measure(glint_render *r, uint32_t tile, uint32_t samples)
     const uint32_t *region = r->job.region, columns = glint_film_columns(r->film);
     const uint32_t x = tile % columns * GK_TILE_SIDE, y = tile / columns * GK_TILE_SIDE;
     struct glint_film_tile at;
+    if (r->job.estimate == GLINT_ESTIMATE_NONE)
+        return;
     glint_film_tile(r->film, tile, &at);
     const float *memory = glint_buffer_host(at.planes);
     const struct glint_estimate_source source = {
@@ -86,7 +88,7 @@ void glint_render_measure_pass(glint_render *r, uint32_t end)
     record_pace(r, now - r->measured);
     r->measured = now;
     r->excess = excess_of(r);
-    if (samples < 2)
+    if (samples < 2 || r->job.estimate == GLINT_ESTIMATE_NONE)
         return;
     glint_estimate_film(&r->estimate, r->tile_estimate, glint_film_columns(r->film),
                         glint_film_rows(r->film), glint_render_pixels(r));

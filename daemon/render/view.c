@@ -35,6 +35,8 @@ _Static_assert((int)GLINT_EVICTION_EXACT == GK_MATTE_EXACT &&
 
 static void fill_wave_job(struct glint_view *v)
 {
+    static const uint32_t parts_log2[] = {
+        [GLINT_ESTIMATE_HALVES] = 1, [GLINT_ESTIMATE_BATCHES] = 4, [GLINT_ESTIMATE_NONE] = 0};
     v->wave_job.plan = &v->plan;
     v->wave_job.program = v->program;
     v->wave_job.scene = v->scene;
@@ -48,7 +50,7 @@ static void fill_wave_job(struct glint_view *v)
     v->wave_job.matte_shared = v->plan.on & glint_effect_bit(GLINT_EFFECT_SHARED_TABLES);
     v->wave_job.matte_rows = v->wave_job.matte_through ? glint_matte_rows(&v->job) : 0;
     v->wave_job.seed = v->job.seed;
-    v->wave_job.parts_log2 = v->job.estimate == GLINT_ESTIMATE_BATCHES ? 4 : 1;
+    v->wave_job.parts_log2 = parts_log2[v->job.estimate];
 }
 
 static void fill_info(struct glint_view *v)

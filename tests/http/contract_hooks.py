@@ -42,7 +42,7 @@ def lead(case):
     if label == "POST /v1/jobs" and isinstance(case.body, dict):
         case.body["scene"] = SCENE
         # What refers to the scene, to the resolution, to each other.
-        for reference in ("camera", "animation", "region", "sample_range", "mattes", "adaptive"):
+        for reference in ("camera", "animation", "region", "sample_range", "mattes", "adaptive", "estimate"):
             case.body.pop(reference, None)
         case.body["resolution"] = [16, 12]
         leave_the_choice(case.body)

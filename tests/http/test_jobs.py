@@ -172,6 +172,24 @@ def test_more_samples_continue_a_finished_job_to_the_bytes_of_one_run():
         assert patch(daemon, job, {"stop": {"samples": 0}}).pointers() == ["/stop/samples"]
 
 
+def test_a_job_that_does_not_know_its_error_tells_none_and_stops_by_none():
+    with Lasting() as daemon:
+        daemon.put("room", ROOM)
+        job = daemon.submit(scene="room", estimate="none", stop={"samples": 24}, seed=3)
+        frame, state = daemon.frame(job), daemon.job(job)
+        assert state["job"]["estimate"] == "none" and state["samples"] == 24
+        assert state["error"] is None and state["estimate"]["interval"] == [None, None], state["estimate"]
+        assert not state["estimate"]["rare_events"]
+        assert daemon.get(f"/v1/jobs/{job}/convergence").json()["curve"] == []
+        assert patch(daemon, job, {"stop": {"error": 0.1}}).pointers() == ["/stop/error"]
+        assert patch(daemon, job, {"stop": {"samples": 40}}).status == 200
+        more = daemon.frame(job)
+        assert daemon.job(job)["samples"] == 40 and more != frame
+        assert more != daemon.frame(daemon.submit(scene="room", stop={"samples": 40}, seed=3))
+        daemon.restart()
+        assert daemon.frame(job) == more and daemon.job(job)["error"] is None
+
+
 def test_a_cancelled_job_goes_on_to_the_bytes_of_one_run():
     with Daemon() as daemon:
         daemon.put("room", ROOM)

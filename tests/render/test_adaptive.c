@@ -30,13 +30,16 @@ static const char corner_text[] =
     "'rotation':[0,1,0,0],'scale':[0.4,0.4,0.4]}}},"
     "'cameras':{'eye':{'yfov':0.7,'transform':{'translation':[0,0,3]}}}}";
 
+#define UNKNOWING "'estimate':'none',"
+
 static glint_render *begin(glint_resident *scene, uint32_t seed, const char *members)
 {
     struct glint_error err = {0};
     glint_render *render = NULL;
-    char *text = stable_text("{'scene':'s','outputs':['beauty','samples','variance'],%s'seed':%u,"
+    const char *variance = strstr(members, UNKNOWING) ? "" : ",'variance'";
+    char *text = stable_text("{'scene':'s','outputs':['beauty','samples'%s],%s'seed':%u,"
                              "'filter':{'kind':'box'},'resolution':[%d,%d]}",
-                             members, seed, WIDTH, HEIGHT);
+                             variance, members, seed, WIDTH, HEIGHT);
     struct glint_job *job = offline_job(text);
     if (glint_render_create(&render, o.devices, scene, NULL, job, &err))
         offline_die("render", &err);
@@ -107,6 +110,31 @@ static void tile_mean(const struct sums *s, int tile, double *mean, double *vari
     }
 }
 
+// The largest |z| of the means of tiles.
+static double widest_difference(const struct sums *one, const struct sums *other)
+{
+    double widest = 0.0;
+    for (int t = 0; t < 6; t++) {
+        double a, b, va, vb;
+        tile_mean(one, t, &a, &va);
+        tile_mean(other, t, &b, &vb);
+        print_message("# tile %d: %.5f and %.5f, z %.2f\n", t, a, b, (a - b) / sqrt(va + vb));
+        widest = fmax(widest, fabs(a - b) / sqrt(va + vb));
+    }
+    return widest;
+}
+
+static double noise_ratio(const struct sums *over, const struct sums *under)
+{
+    double noise[2] = {0.0, 0.0};
+    for (int i = 0; i < PIXELS; i++) {
+        noise[0] += variance_of(under, i);
+        noise[1] += variance_of(over, i);
+    }
+    print_message("# variance %.3g and %.3g\n", noise[0] / PIXELS, noise[1] / PIXELS);
+    return noise[1] / noise[0];
+}
+
 // n = 24 seeds of 256 pixels for each of 6 tiles: |z| < 4.892 (1e-6 each). With an sd of .01 of a
 // pixel's mean over seeds (the noisy tile), d = ((4.892 + 3.09) .01) / sqrt(6144) = .001 is seen with
 // 99.9 %. The error falls by more than a tenth: with 24 seeds the ratio of the sums of variances has
@@ -115,24 +143,36 @@ static void adaptive_picture_is_the_same_in_the_mean_and_less_noisy(void **state
 {
     (void)state;
     static struct sums even, adaptive;
-    double noise[2] = {0.0, 0.0};
     assert_float_equal(add_seeds(&even, "'stop':{'samples':96},"), 96.0, 1e-9);
     const double spent = add_seeds(&adaptive, "'adaptive':true,'stop':{'samples':96},");
     print_message("# %.1f samples of a pixel\n", spent);
     assert_true(spent < 96.0 - 16.0 + 1e-3 && spent > 96.0 - 16.0 - 32.0); // the pilot's are gone
-    for (int t = 0; t < 6; t++) {
-        double a, b, va, vb;
-        tile_mean(&even, t, &a, &va);
-        tile_mean(&adaptive, t, &b, &vb);
-        print_message("# tile %d: %.5f and %.5f, z %.2f\n", t, a, b, (a - b) / sqrt(va + vb));
-        assert_true(fabs(a - b) < 4.892 * sqrt(va + vb));
-    }
-    for (int i = 0; i < PIXELS; i++) {
-        noise[0] += variance_of(&even, i);
-        noise[1] += variance_of(&adaptive, i);
-    }
-    print_message("# variance %.3g even, %.3g adaptive\n", noise[0] / PIXELS, noise[1] / PIXELS);
-    assert_true(noise[1] < 0.9 * noise[0]);
+    assert_true(widest_difference(&even, &adaptive) < 4.892);
+    assert_true(noise_ratio(&adaptive, &even) < 0.9);
+}
+
+// Two halves of 8 samples have the strata of 8, one sequence has those of 16. With 24 seeds the ratio has
+// an sd of about .02, and is about .8.
+static void who_does_not_ask_for_the_error_has_the_same_picture_with_less_noise(void **state)
+{
+    (void)state;
+    static struct sums halves, one;
+    add_seeds(&halves, "'stop':{'samples':16},");
+    add_seeds(&one, UNKNOWING "'stop':{'samples':16},");
+    assert_true(widest_difference(&halves, &one) < 4.892);
+    assert_true(noise_ratio(&one, &halves) < 0.9);
+    glint_render *render = whole(corner, 1, UNKNOWING "'stop':{'samples':16},"), *opened;
+    const int fd = filmed_write(render);
+    assert_int_equal(glint_render_open(&opened, fd, NULL), GLINT_OK);
+    filmed_assert_same(opened, render);
+    struct glint_render_state known;
+    glint_render_state(opened, &known);
+    assert_true(isnan(known.estimate.error) && isnan(known.forecast.samples[0]));
+    struct glint_convergence_point point;
+    assert_int_equal(glint_render_convergence(render, &point, 1), 0);
+    close(fd);
+    glint_render_destroy(&opened);
+    glint_render_destroy(&render);
 }
 
 // A wall that a picture of a sky lights: every pixel has the same noise, and so has every tile, the
@@ -403,6 +443,7 @@ int main(void)
         cmocka_unit_test(film_that_has_ended_answers_as_its_render_did),
         cmocka_unit_test(adaptive_job_goes_on_to_more_samples),
         cmocka_unit_test(adaptive_picture_is_the_same_in_the_mean_and_less_noisy),
+        cmocka_unit_test(who_does_not_ask_for_the_error_has_the_same_picture_with_less_noise),
         cmocka_unit_test(tiles_that_the_edge_cuts_have_samples_by_their_noise),
         cmocka_unit_test(batches_and_halves_tell_of_the_same_noise),
         cmocka_unit_test(pixels_are_as_near_to_the_truth_as_their_batches_say),

@@ -310,6 +310,9 @@ static void names_and_numbers_have_their_limits(void **state)
     refuse("{'scene':'a','adaptive':true,'live':true}", "/adaptive=live");
     refuse("{'scene':'a','adaptive':true,'stop':{'samples':63}}", "/adaptive=at least 64");
     refuse("{'scene':'a','adaptive':true,'sample_range':[0,64]}", "/adaptive=range");
+    refuse("{'scene':'a','estimate':'none','outputs':['variance'],'adaptive':true,"
+           "'accuracy':{'error':0.1},'stop':{'samples':64,'error':0.1}}",
+           "/stop/error|/accuracy/error|/adaptive|/outputs=noise");
     refuse("{'scene':'a','outputs':['depth','depth']}", "/outputs/1=twice");
     refuse("{'scene':'a','scene':'b'}", "/scene=more than once");
 }

@@ -127,15 +127,16 @@ static void write_picture(const struct glint_frame *frame, const char *path)
     free(rows);
 }
 
-// One reflection per microfacet, as the peers have it. Samples keep their full radiance. A bounce of
-// theirs is one after the first surface, which ours counts too.
+// One reflection per microfacet and no estimate of its own error, as the peers have it. Samples keep
+// their full radiance. A bounce of theirs is one after the first surface, which ours counts too.
 static struct glint_job *job_of(const struct scene *s, unsigned samples, unsigned seed)
 {
     char text[512];
     snprintf(text, sizeof text,
              "{\"scene\":\"peers\",\"resolution\":[%u,%u],\"outputs\":[\"beauty\"],"
              "\"filter\":{\"kind\":\"box\",\"width\":1},\"max_bounces\":%u,"
-             "\"accuracy\":{\"microfacet\":\"single\"},\"seed\":%u,\"stop\":{\"samples\":%u}}",
+             "\"accuracy\":{\"microfacet\":\"single\"},\"estimate\":\"none\",\"seed\":%u,\"stop\":{"
+             "\"samples\":%u}}",
              s->width, s->height, s->bounces + 1, seed, samples);
     return offline_job(text);
 }
