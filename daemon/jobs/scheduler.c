@@ -70,15 +70,15 @@ static void settle(glint_scheduler *s, struct glint_entry *e)
 
 void glint_scheduler_end(glint_scheduler *s, struct glint_entry *e, enum glint_job_state state)
 {
-    if (e->end != GLINT_JOB_QUEUED)
-        return;
-    e->end = state;
-    // Relaxed: a hint to the preparer.
-    atomic_store_explicit(&e->abandoned, true, memory_order_relaxed);
-    glint_scheduler_recall(s);
-    if (e->out && state != GLINT_JOB_DONE) // nobody waits for what is out
-        glint_render_interrupt(e->render, true);
-    if (!e->out)
+    if (e->end == GLINT_JOB_QUEUED) {
+        e->end = state;
+        // Relaxed: a hint to the preparer.
+        atomic_store_explicit(&e->abandoned, true, memory_order_relaxed);
+        glint_scheduler_recall(s);
+        if (e->out && state != GLINT_JOB_DONE) // nobody waits for what is out
+            glint_render_interrupt(e->render, true);
+    }
+    if (!e->out) // or else what was out has been taken away since it began to end
         settle(s, e);
 }
 

@@ -155,11 +155,11 @@ def test_no_answer_has_a_member_that_the_contract_does_not_name():
         assert list(members_missing(contract, {"$ref": PROBLEM}, fault, "problem")) == []
 
 
-def schemathesis(daemon, job, *options):
+def schemathesis(daemon, job, patched, *options):
     """Its report, and whether it is content."""
     environment = {**os.environ, "SCHEMATHESIS_HOOKS": "contract_hooks",
                    "PYTHONPATH": tap.source("tests", "http"), "CONTRACT_JOB": job,
-                   "CONTRACT_SCENE": "room", "COLUMNS": "200"}
+                   "CONTRACT_PATCHED": patched, "CONTRACT_SCENE": "room", "COLUMNS": "200"}
     with tempfile.TemporaryDirectory() as folder:
         run = subprocess.run(
             [tool("schemathesis"), "--config-file", tap.source("tests", "http", "contract.toml"),
@@ -176,10 +176,12 @@ def test_the_daemon_keeps_the_contract_whatever_it_is_asked():
     examples = os.environ.get("CONTRACT_EXAMPLES", "5")
     with Daemon() as daemon:
         daemon.put("room", ROOM)
-        job = daemon.submit(scene="room", resolution=[24, 16], stop={"samples": 4})
+        job, patched = (daemon.submit(scene="room", resolution=[24, 16], stop={"samples": 4})
+                        for _ in range(2))
         daemon.frame(job)
-        content, report = schemathesis(daemon, job, "--phases", "examples,coverage,fuzzing",
-                                       "--max-examples", examples)
+        daemon.frame(patched)
+        content, report = schemathesis(daemon, job, patched, "--phases",
+                                       "examples,coverage,fuzzing", "--max-examples", examples)
         shown = re.sub(r"(?s).*= FAILURES =+", "", report)
         assert content, "\n".join(line[:400] for line in shown.splitlines() if line)
         assert daemon.get("/healthz").status == 200

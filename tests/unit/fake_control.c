@@ -38,7 +38,7 @@ void fake_reset(void)
     for (size_t i = 0; i < MAX_SEED; i++)
         fake.behaviour[i] = (struct behaviour){0};
     fake_must(!fake.views, "a view outlives its test");
-    fake.gate_closed = fake.create_held = fake.move_held = fake.deaf = false;
+    fake.gate_closed = fake.prepare_held = fake.create_held = fake.move_held = fake.deaf = false;
     fake.moves = fake.restarts = 0;
     fake.let = 0;
     fake.creates = 0;
@@ -71,6 +71,13 @@ void fake_let(unsigned slices)
 {
     fake_lock();
     fake.let += slices;
+    fake_unlock();
+}
+
+void fake_hold_prepare(bool held)
+{
+    fake_lock();
+    fake.prepare_held = held;
     fake_unlock();
 }
 

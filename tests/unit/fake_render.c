@@ -237,6 +237,9 @@ glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
         fake.begun[fake.begins] = r->job.seed;
     fake.begins++;
     r->running++;
+    pthread_cond_broadcast(&fake.changed);
+    while (fake.prepare_held)
+        pthread_cond_wait(&fake.changed, &fake.mutex);
     glint_hold_begin(slice->hold);
     pthread_cond_broadcast(&fake.changed);
     while (fake.gate_closed && !fake.let && (fake.deaf || !r->interrupted))

@@ -21,6 +21,8 @@ void fake_open_gate(void);
 void fake_let(unsigned slices);
 // Slices at the gate do not notice an interruption: their workers get no processor.
 void fake_deafen(void);
+// Holds every slice that has been taken up and is not traced yet: it cannot be taken away.
+void fake_hold_prepare(bool held);
 // The same for glint_render_create.
 void fake_hold_create(bool held);
 // Returns once a create waits.

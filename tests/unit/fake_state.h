@@ -34,7 +34,7 @@ struct fake_state {
     pthread_cond_t changed;
     struct glint_devices devices;
     struct behaviour behaviour[MAX_SEED];
-    bool gate_closed, create_held, move_held, deaf;
+    bool gate_closed, prepare_held, create_held, move_held, deaf;
     unsigned let, creates_waiting;
     uint32_t begun[MAX_BEGUN], creates, moves, restarts;
     size_t begins;

@@ -257,6 +257,34 @@ static void before_the_first_whole_sample_what_is_out_is_waited_for(void **state
     fixture_stop(&f);
 }
 
+// What was being prepared when the time was over is taken away a little later.
+static void a_slice_taken_away_while_the_job_ends_is_the_end_of_it(void **state)
+{
+    (void)state;
+    struct fixture f;
+    fixture_start(&f, 1);
+    fake_close_gate();
+    fake_deafen();
+    const char *id = fixture_submit(&f, "{'scene': 's', " WIDE ", 'stop': {'samples': 3}}");
+    fake_let(3);
+    fake_begun(4, NULL);
+    fake_hold_prepare(true);
+    fake_let(1);
+    fake_begun(5, NULL); // the first of the second sample
+    assert_int_equal(fixture_patch(&f, id, "{'stop': {'seconds': 1e-3}}"), GLINT_OK);
+    while (fixture_patch(&f, id, "{'priority': 1}") == GLINT_OK) // until it is about to be done
+        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+    assert_int_equal(fixture_state(&f, id), GLINT_JOB_RENDERING);
+    fake_hold_prepare(false);
+    for (int i = 0; i < 5000 && fixture_state(&f, id) != GLINT_JOB_DONE; i++) {
+        fixture_patch(&f, id, "{'priority': 1}"); // has the scheduler look again
+        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+    }
+    assert_int_equal(fixture_state(&f, id), GLINT_JOB_DONE);
+    assert_true(fixture_number(&f, id, "samples") == 1);
+    fixture_stop(&f);
+}
+
 static void null_takes_a_limit_away(void **state)
 {
     (void)state;
@@ -310,6 +338,7 @@ int main(void)
         cmocka_unit_test(a_job_may_be_forgotten_before_its_worker_notices),
         cmocka_unit_test(the_daemon_ends_while_a_worker_has_not_noticed),
         cmocka_unit_test(before_the_first_whole_sample_what_is_out_is_waited_for),
+        cmocka_unit_test(a_slice_taken_away_while_the_job_ends_is_the_end_of_it),
         cmocka_unit_test(null_takes_a_limit_away),
         cmocka_unit_test(a_live_job_refines_what_it_shows_when_it_is_given_more),
     };
