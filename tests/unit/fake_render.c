@@ -241,7 +241,6 @@ glint_status glint_render_run(glint_render *r, struct glint_worker *worker,
     while (fake.prepare_held)
         pthread_cond_wait(&fake.changed, &fake.mutex);
     glint_hold_begin(slice->hold);
-    pthread_cond_broadcast(&fake.changed);
     while (fake.gate_closed && !fake.let && (fake.deaf || !r->interrupted))
         pthread_cond_wait(&fake.changed, &fake.mutex);
     if (r->interrupted || !glint_hold_keep(slice->hold)) {
