@@ -4,7 +4,9 @@
 // The table has a part for a reflectance of 1 and one for each interface that a scene has, the first
 // of them of index 1.5, which is also a coat's. A part is E, then its hemispherical mean 2 Int E c dc
 // for each alpha. A transmitting interface has further parts behind its own: of reflection and
-// refraction together, of both from inside, and of what gk_scatter.h takes over the cosine in the
+// refraction together; of what it would pass on if no facet reflected less what it would reflect if
+// all did, facets of total reflection left out; the three from inside; of a white reflector's facets
+// that do not reflect totally from inside; and of what gk_scatter.h takes over the cosine in the
 // thinner medium. Bilinear in sqrt(cos) and sqrt(alpha): within 0.009 of the integral for
 // cos >= 1e-3, and within 0.002 for cos >= 0.05.
 #ifndef GK_ENERGY_H
@@ -17,9 +19,11 @@
 #define GK_ENERGY_WHITE 0
 #define GK_ENERGY_COAT GK_ENERGY_PART
 #define GK_ENERGY_BOTH GK_ENERGY_PART // behind a reflection's, from the same side
-#define GK_ENERGY_INSIDE (2 * GK_ENERGY_PART)
-#define GK_ENERGY_SCATTER (4 * GK_ENERGY_PART)
-#define GK_ENERGY_PARTS 5 // of a transmitting interface
+#define GK_ENERGY_SPARED (2 * GK_ENERGY_PART)
+#define GK_ENERGY_INSIDE (3 * GK_ENERGY_PART)
+#define GK_ENERGY_OPEN (6 * GK_ENERGY_PART)
+#define GK_ENERGY_SCATTER (7 * GK_ENERGY_PART)
+#define GK_ENERGY_PARTS 8 // of a transmitting interface
 
 // Place of x in 0..1 between entries: the lower one and the weight of the upper.
 struct gk_energy_place {

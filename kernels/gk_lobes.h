@@ -82,11 +82,13 @@ GK_INLINE void gk_specular_prepare(struct gk_surface *s)
 }
 
 #ifdef GK_COLLIMATION
-// Whether what is refracted is scattered by gk_scatter.h; reflect, refract: mean albedos at wo.
+// Whether what is refracted is scattered by gk_scatter.h; reflect, refract: mean albedos at wo, which
+// know nothing of facets that reflect totally: hence a least share. gk_pair.h knows better.
 GK_INLINE void gk_collimation_prepare(struct gk_surface *s, gk_f32 reflect, gk_f32 refract)
 {
     s->alpha_t = gk_max(s->alpha, 1.0f - s->collimation);
-    s->p_reflect = refract > 0.0f ? reflect / (reflect + refract) : 1.0f;
+    const gk_f32 share = refract > 0.0f ? reflect / (reflect + refract) : 1.0f;
+    s->p_reflect = s->delta ? share : gk_max(share, 0.1f);
     s->scatters = s->alpha_t > s->alpha && s->alpha_t >= GK_ALPHA_DELTA;
 }
 #endif

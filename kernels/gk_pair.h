@@ -28,10 +28,12 @@ GK_INLINE gk_i32 gk_surface_matched(const struct gk_surface *s)
 
 #ifdef GK_PAIR
 
-// Albedos at wo: of a white reflector, of the reflection, of reflection and refraction, and of a
-// white reflector and of the plain interface's transmission where gk_scatter.h takes it.
+// Albedos at wo: of a white reflector, of the reflection, of reflection and refraction, of a white
+// reflector's facets that do not reflect totally, of what these would pass on if they reflected
+// nothing less the same, and of a white reflector and of the plain interface's transmission where
+// gk_scatter.h takes it.
 struct gk_pair {
-    gk_f32 white, reflect, both, scatter_white, scatter;
+    gk_f32 white, reflect, both, open, spared, scatter_white, scatter;
 };
 
 GK_INLINE gk_f32 gk_pair_cosine(const struct gk_surface *s, gk_f32 cos_o)
@@ -53,6 +55,15 @@ GK_INLINE struct gk_pair gk_pair_find(const struct gk_surface *s, gk_i32 known, 
     p.white = s->delta ? 1.0f : p.white;
     p.reflect = s->delta ? s->fresnel_o : p.reflect;
     p.both = s->thin ? p.white : p.both;
+    p.open = p.white;
+    p.spared = 0.0f;
+#ifdef GK_SPECULAR
+    const gk_i32 rest = known ? side + GK_ENERGY_SPARED : 0;
+    const gk_i32 below = known && inside ? s->interface + GK_ENERGY_OPEN : GK_ENERGY_WHITE;
+    p.open = gk_energy_albedo(s->energy, below, cos_o, s->alpha);
+    p.open = s->delta ? (s->fresnel_o < 1.0f ? 1.0f : 0.0f) : p.open;
+    p.spared = s->thin ? 0.0f : gk_energy_albedo(s->energy, rest, cos_o, s->alpha);
+#endif
     p.scatter_white = 0.0f;
     p.scatter = 0.0f;
 #ifdef GK_COLLIMATION
@@ -66,27 +77,52 @@ GK_INLINE struct gk_pair gk_pair_find(const struct gk_surface *s, gk_i32 known, 
     return p;
 }
 
-// 1/E of one colour; k: gk_specular_prepare's. R is linear in F, so E follows from the plain
-// interface's albedos; from inside that takes a guess at what is not totally reflected.
-GK_INLINE gk_f32 gk_pair_gain(const struct gk_surface *s, const struct gk_pair *p, gk_f32 k)
+// What of one colour the pair reflects and passes on, under a white base; k: gk_specular_prepare's. Of
+// the facets that do not reflect totally R is linear in F, so both follow from the albedos of the
+// plain interface and of one that reflects nothing.
+struct gk_pair_shares {
+    gk_f32 reflect, passed;
+};
+
+GK_INLINE struct gk_pair_shares gk_pair_share(const struct gk_surface *s, const struct gk_pair *p,
+                                              gk_f32 k)
 {
 #ifdef GK_SPECULAR
-    const gk_f32 root = (s->eta - 1.0f) / (s->eta + 1.0f);
-    const gk_f32 least = s->eta < 1.0f ? 1.0f - root * root : 0.1f;
-    const gk_f32 open = p->white / gk_max(p->white - p->reflect, least * p->white);
     const gk_f32 kept = s->specular * (1.0f - k), lifted = 1.0f - s->specular;
 #else
-    const gk_f32 open = 1.0f, kept = 1.0f, lifted = 0.0f;
+    const gk_f32 kept = 1.0f, lifted = 0.0f;
     (void)k;
 #endif
-    const gk_f32 ratio = open * lifted + kept; // of 1-R to that of the plain interface
-    gk_f32 e = p->white + ratio * (p->both - p->white);
+    struct gk_pair_shares c;
+    c.reflect = gk_max(p->white - lifted * p->open - kept * (p->white - p->reflect), 0.0f);
+    c.passed = lifted * (p->open + p->spared) + kept * (p->both - p->reflect);
 #ifdef GK_COLLIMATION
-    const gk_f32 reflect = p->white - ratio * (p->white - p->reflect);
-    e = s->scatters ? reflect + p->scatter_white * lifted + p->scatter * kept : e;
+    const gk_f32 scattered = lifted * p->scatter_white + kept * p->scatter;
+    c.passed = s->scatters ? scattered : c.passed;
 #endif
-    return 1.0f / gk_clamp(e, 0.05f, 1.0f);
+    return c;
 }
+
+GK_INLINE gk_f32 gk_pair_gain(struct gk_pair_shares c)
+{
+    return 1.0f / gk_clamp(c.reflect + c.passed, 0.05f, 1.0f);
+}
+
+#ifdef GK_COLLIMATION
+// In proportion to what the surface reflects and what is scattered, facets of total reflection
+// included.
+GK_INLINE gk_f32 gk_pair_reflects(const struct gk_surface *s, const struct gk_pair_shares *x,
+                                  const struct gk_pair_shares *y, const struct gk_pair_shares *z,
+                                  gk_f32 cos_o)
+{
+    const gk_f32 mirror = s->metallic * gk_mean3(gk_fresnel_metal(s->base, cos_o));
+    const gk_f32 gloss = gk_mean3(gk_vec(x->reflect, y->reflect, z->reflect));
+    const gk_f32 passed = gk_mean3(gk_mul(s->base, gk_vec(x->passed, y->passed, z->passed)));
+    const gk_f32 reflect = mirror + (1.0f - s->metallic) * gloss;
+    const gk_f32 both = reflect + (1.0f - s->metallic) * s->transmission * passed;
+    return both > 0.0f ? reflect / both : 1.0f;
+}
+#endif
 
 GK_INLINE void gk_pair_prepare(struct gk_surface *s, struct gk_vec wo)
 {
@@ -94,19 +130,24 @@ GK_INLINE void gk_pair_prepare(struct gk_surface *s, struct gk_vec wo)
 #ifdef GK_COLLIMATION
     lossy = lossy || s->scatters;
 #endif
+    const gk_f32 cos_o = gk_min(wo.z, 1.0f);
     const gk_i32 known = s->transmission > 0.0f && s->interface > 0;
-    const struct gk_pair p = gk_pair_find(s, known, gk_min(wo.z, 1.0f));
+    const struct gk_pair p = gk_pair_find(s, known, cos_o);
 #ifdef GK_SPECULAR
     const struct gk_vec k = s->tint;
 #else
     const struct gk_vec k = gk_splat(0.0f);
 #endif
-    const struct gk_vec gain =
-        gk_vec(gk_pair_gain(s, &p, k.x), gk_pair_gain(s, &p, k.y), gk_pair_gain(s, &p, k.z));
+    const struct gk_pair_shares x = gk_pair_share(s, &p, k.x), y = gk_pair_share(s, &p, k.y),
+                                z = gk_pair_share(s, &p, k.z);
+    const struct gk_vec gain = gk_vec(gk_pair_gain(x), gk_pair_gain(y), gk_pair_gain(z));
     s->gain = gk_vec_select(gk_splat(1.0f), gain, lossy && known);
     const gk_f32 t = s->transmission;
     s->raise = gk_vec(1.0f + t * (s->gain.x - 1.0f), 1.0f + t * (s->gain.y - 1.0f),
                       1.0f + t * (s->gain.z - 1.0f));
+#ifdef GK_COLLIMATION
+    s->p_reflect = known ? gk_pair_reflects(s, &x, &y, &z, cos_o) : s->p_reflect;
+#endif
 }
 
 #endif

@@ -77,69 +77,80 @@ static double passed_on(double zo, double zi, float alpha)
     return zi * (zo + so) / (so * zi + si * zo);
 }
 
-struct pair {
-    double reflect, other;
+enum { REFLECT, BOTH, SPARED, OPEN, ALBEDOS };
+
+struct albedos {
+    double of[ALBEDOS];
 };
 
-// Of one visible normal: what is reflected and what is refracted.
-static struct pair refracted(struct gk_vec wo, struct gk_vec h, float alpha, float eta)
+// Of one visible normal: what is reflected and refracted, and what is not totally reflected.
+static struct albedos refracted(struct gk_vec wo, struct gk_vec h, float alpha, float eta)
 {
     const float cos_m = gk_saturate(gk_dot(wo, h)), f = gk_fresnel_dielectric(cos_m, eta);
     const double up = 2.0 * (double)cos_m * (double)h.z - (double)wo.z;
     const double down = -(double)gk_refract(wo, h, cos_m, eta).z;
-    const double reflect = (double)f * passed_on((double)wo.z, up, alpha);
-    const double refract = (double)(1.0f - f) * passed_on((double)wo.z, down, alpha);
-    return (struct pair){reflect, reflect + refract};
+    const double white = passed_on((double)wo.z, up, alpha);
+    const double clear = passed_on((double)wo.z, down, alpha);
+    const double reflect = (double)f * white, open = f < 1.0f ? 1.0 : 0.0;
+    return (struct albedos){{[REFLECT] = reflect,
+                             [BOTH] = reflect + (double)(1.0f - f) * clear,
+                             [SPARED] = open * (clear - white),
+                             [OPEN] = open * white}};
 }
 
-// Of one visible normal: what gk_scatter.h lets through.
-static struct pair scattered(struct gk_vec wo, struct gk_vec h, float alpha, float eta)
+// Of one visible normal: what gk_scatter.h lets through, first of all.
+static struct albedos scattered(struct gk_vec wo, struct gk_vec h, float alpha, float eta)
 {
     const float cos_m = gk_saturate(gk_dot(wo, h));
     const double zi = 2.0 * (double)cos_m * (double)h.z - (double)wo.z;
     const float least = fminf(cos_m, fminf(wo.z, gk_saturate((float)zi)));
     const double share = 1.0 - (double)gk_fresnel_dielectric(least, eta);
-    return (struct pair){0.0, share * passed_on((double)wo.z, zi, alpha)};
+    return (struct albedos){{share * passed_on((double)wo.z, zi, alpha)}};
 }
 
-typedef struct pair facet_fn(struct gk_vec wo, struct gk_vec h, float alpha, float eta);
+typedef struct albedos facet_fn(struct gk_vec wo, struct gk_vec h, float alpha, float eta);
 
-static struct pair mean_pair(facet_fn *facet, float cosine, float alpha, float eta)
+static struct albedos mean_albedos(facet_fn *facet, float cosine, float alpha, float eta)
 {
     const struct gk_vec wo = gk_vec(sqrtf(fmaxf(1.0f - cosine * cosine, 0.0f)), 0.0f, cosine);
-    struct pair sum = {0.0, 0.0};
+    struct albedos sum = {{0}};
+    if (alpha == 0.0f)
+        return facet(wo, gk_vec(0.0f, 0.0f, 1.0f), alpha, eta);
     for (uint32_t i = 0; i < FEWER_POINTS; i++) {
         const float u = 0.5f * ((float)i + 0.5f) / (float)FEWER_POINTS;
         const float v = ((float)(i * FEWER_STEP % FEWER_POINTS) + 0.5f) / (float)FEWER_POINTS;
-        const struct pair one = facet(wo, gk_ggx_sample(wo, alpha, u, v), alpha, eta);
-        sum.reflect += one.reflect;
-        sum.other += one.other;
+        const struct albedos one = facet(wo, gk_ggx_sample(wo, alpha, u, v), alpha, eta);
+        for (int k = 0; k < ALBEDOS; k++)
+            sum.of[k] += one.of[k];
     }
-    return (struct pair){sum.reflect / FEWER_POINTS, sum.other / FEWER_POINTS};
+    for (int k = 0; k < ALBEDOS; k++)
+        sum.of[k] /= FEWER_POINTS;
+    return sum;
 }
 
-// Nothing asks for the mean albedos of these parts.
-static void pair_row(facet_fn *facet, float eta, float *reflect, float *other, int row)
+// to[k]: the part for the k-th albedo, or NULL. Nothing asks for the mean albedos of these parts.
+static void facet_row(facet_fn *facet, float eta, float *const to[ALBEDOS], int row)
 {
     const float y = (float)row / (SIDE - 1);
     for (int i = row * SIDE; i < (row + 1) * SIDE; i++) {
-        const float x = (float)(i % SIDE) / (SIDE - 1);
-        const float cosine = fmaxf(x * x, 1e-6f), f = gk_fresnel_dielectric(cosine, eta);
-        struct pair p = {(double)f, facet == scattered ? (double)(1.0f - f) : 1.0};
-        if (row > 0)
-            p = mean_pair(facet, cosine, y * y, eta);
-        if (reflect)
-            reflect[i] = (float)p.reflect;
-        other[i] = (float)p.other;
+        const float x = (float)(i % SIDE) / (SIDE - 1), cosine = fmaxf(x * x, 1e-6f);
+        const struct albedos a = mean_albedos(facet, cosine, y * y, eta);
+        for (int k = 0; k < ALBEDOS; k++)
+            if (to[k])
+                to[k][i] = (float)a.of[k];
     }
 }
 
 void glint_energy_glass_row(float *parts, float ior, int y)
 {
-    pair_row(refracted, ior, NULL, parts + GK_ENERGY_BOTH, y);
     float *inside = parts + GK_ENERGY_INSIDE;
-    pair_row(refracted, 1.0f / ior, inside, inside + GK_ENERGY_BOTH, y);
-    pair_row(scattered, ior, NULL, parts + GK_ENERGY_SCATTER, y);
+    float *const outer[] = {NULL, parts + GK_ENERGY_BOTH, parts + GK_ENERGY_SPARED, NULL};
+    float *const inner[] = {inside, inside + GK_ENERGY_BOTH, inside + GK_ENERGY_SPARED,
+                            parts + GK_ENERGY_OPEN};
+    float *const through[ALBEDOS] = {parts + GK_ENERGY_SCATTER};
+    facet_row(refracted, ior, outer, y);
+    facet_row(refracted, 1.0f / ior, inner, y);
+    facet_row(scattered, ior, through, y);
 }
 
 int glint_energy_step(float ior, float *taken)

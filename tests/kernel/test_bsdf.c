@@ -8,8 +8,9 @@ struct estimate {
 
 // `as_energy`: what is refracted counts as flux, without the radiance's factor 1/eta^2, so that a
 // lossless solid interface has albedo 1.
-static struct estimate albedo(const struct material *m, float cosine, int n, int as_energy)
+static struct estimate albedo(const struct material *m, float cosine, int few, int as_energy)
 {
+    const int n = (int)odds_samples((uint32_t)few);
     const struct gk_surface s = make_surface(m, cosine);
     const struct gk_vec wo = direction(cosine, 0.2);
     double sum = 0, square = 0;

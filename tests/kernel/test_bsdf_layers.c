@@ -62,8 +62,9 @@ struct estimate {
 
 // Mean and standard error of f |cos| / pdf, as energy: without the factor 1/eta^2 of refracted
 // radiance.
-static struct estimate albedo(const struct material *m, float cosine, int n)
+static struct estimate albedo(const struct material *m, float cosine, int few)
 {
+    const int n = (int)odds_samples((uint32_t)few);
     const struct gk_vec wo = direction(cosine, 0.2);
     const struct gk_surface s = make_surface_at(m, wo);
     double sum = 0, square = 0;
@@ -125,7 +126,58 @@ static void clear_glass_returns_all(void **state)
     print_message("# off by %.5f at most, beyond 4.9 standard errors\n", worst);
 }
 
-// No layer gives back more than it gets; 0.003 is what the table may be off. n = 4 10^4.
+// The same as albedo() where nothing is left to chance: over a lattice in place of random numbers, to
+// 0.003. Source: Roberts 2018 (the lattice of the root of x^4 = x + 1).
+static double balance(const struct material *m, float cosine)
+{
+    const struct gk_vec wo = direction(cosine, 0.2);
+    const struct gk_surface s = make_surface_at(m, wo);
+    const double g = 1.2207440846057596;
+    const int n = 3000;
+    double sum = 0;
+    for (int i = 0; i < n; i++) {
+        const double t = i + 0.5, x = t / g, y = x / g, z = y / g;
+        const struct gk_bsdf_sample sample = gk_bsdf_sample(
+            &s, wo, (float)(x - floor(x)), (float)(y - floor(y)), (float)(z - floor(z)));
+        const double w = sample_weight(&s, wo, &sample);
+        sum += sample.wi.z < 0 && !s.thin ? w * s.eta * s.eta : w;
+    }
+    return sum / n;
+}
+
+// However much KHR_materials_specular takes from the reflection of white glass passes it: from
+// outside, from inside, where total reflection keeps its share, and as a wall. 1 +- 0.02.
+static void glass_passes_what_specular_takes_from_its_reflection(void **state)
+{
+    (void)state;
+    static const float iors[] = {1.33f, 1.5f, 2.4f}, collimations[] = {1, 0.6f};
+    static const struct layers kept[] = {{0, {1, 1, 1}, 0, 0, 0, 1},
+                                         {0.3f, {1, 1, 1}, 0, 0, 0, 1},
+                                         {0.7f, {30, 30, 30}, 0, 0, 0, 1},
+                                         {1, {0, 0, 0}, 0, 0, 0, 1}};
+    double least = 1, most = 1;
+    for (size_t k = 0; k < COUNT(kept) * COUNT(collimations) * COUNT(iors) * 3; k++)
+        for (size_t i = 0; i < COUNT(roughnesses) * COUNT(cosines); i++) {
+            struct layers l = kept[k % COUNT(kept)];
+            l.collimation = collimations[k / COUNT(kept) % COUNT(collimations)];
+            const float ior = iors[k / COUNT(kept) / COUNT(collimations) % COUNT(iors)];
+            const size_t side = k / COUNT(kept) / COUNT(collimations) / COUNT(iors);
+            const struct material m = {
+                "glass", 1, 0, 1, roughnesses[i / COUNT(cosines)], ior, side == 2, side == 1, &l};
+            const double e = balance(&m, cosines[i % COUNT(cosines)]);
+            least = fmin(least, e);
+            most = fmax(most, e);
+            if (!(fabs(e - 1) <= 0.02))
+                fail_msg("index %g, side %zu, specular %g, %g, collimation %g, roughness %g, "
+                         "cos %g: %.5f",
+                         (double)ior, side, (double)l.specular, (double)l.color[0],
+                         (double)l.collimation, (double)m.roughness,
+                         (double)cosines[i % COUNT(cosines)], e);
+        }
+    print_message("# %.5f to %.5f\n", least, most);
+}
+
+// No layer gives back more than it gets; 0.005 is what the table may be off. n = 4 10^4.
 static void a_white_furnace_never_brightens(void **state)
 {
     (void)state;
@@ -138,7 +190,7 @@ static void a_white_furnace_never_brightens(void **state)
                 const struct estimate e = albedo(&m, cosines[c], 40000);
                 odds_note(__FILE__, __func__, "bound", e.mean - 1, e.error);
                 most = fmax(most, e.mean - 4.9 * e.error);
-                if (!(e.mean <= 1 + 4.9 * e.error + 0.003))
+                if (!(e.mean <= 1 + 4.9 * e.error + 0.005))
                     fail_msg("%s, roughness %g, cos %g: albedo %.6f +- %.6f", m.name,
                              (double)m.roughness, (double)cosines[c], e.mean, e.error);
             }
@@ -327,6 +379,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(white_opaque_surfaces_return_all),
         cmocka_unit_test(clear_glass_returns_all),
+        cmocka_unit_test(glass_passes_what_specular_takes_from_its_reflection),
         cmocka_unit_test(a_white_furnace_never_brightens),
         cmocka_unit_test(reflection_is_reciprocal),
         cmocka_unit_test(scattering_is_reciprocal_up_to_eta_squared),
