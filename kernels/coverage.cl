@@ -88,12 +88,10 @@ __kernel void deposit_coverage(const __global float *restrict wave, const gk_u32
 
 #ifdef GK_THROUGH
 // Camera rays have met something, been shaded and go on: what they hold from here.
-__kernel void carry_first(__global float *restrict wave, const gk_u32 stride, const gk_u32 n,
+__kernel void carry_first(__global float *restrict wave, const gk_u32 stride,
                           const __global struct gk_frame *restrict frame)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
-    if (i >= n)
-        return;
     const struct gk_passing p = gk_passing_load(wave, stride, i);
     struct gk_transport t = gk_transport_begin(frame);
     gk_transport_arrive(&t, frame, &p);
@@ -102,12 +100,10 @@ __kernel void carry_first(__global float *restrict wave, const gk_u32 stride, co
 }
 
 // The same of later vertices, of the first n paths.
-__kernel void carry_coverage(__global float *restrict wave, const gk_u32 stride, const gk_u32 n,
+__kernel void carry_coverage(__global float *restrict wave, const gk_u32 stride,
                              const __global struct gk_frame *restrict frame)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
-    if (i >= n)
-        return;
     const struct gk_passing p = gk_passing_load(wave, stride, i);
     struct gk_transport t = gk_transport_load(wave, stride, i);
     gk_transport_arrive(&t, frame, &p);

@@ -26,22 +26,18 @@ GK_INLINE void take_colour(const __global float *wave, gk_u32 stride, gk_u32 lan
 // One item per pixel. lane: that of the tile's first pixel; film: planes of the tile, from `offset`
 // words on.
 __kernel void accumulate_colour(const __global float *restrict wave, const gk_u32 stride,
-                                const gk_u32 n, const gk_u32 lane, __global float *restrict film,
+                                const gk_u32 lane, __global float *restrict film,
                                 const gk_u32 offset, const gk_u32 half_index)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
-    if (i >= n)
-        return;
     take_colour(wave, stride, lane + i, film + offset, half_index, i);
 }
 
 __kernel void accumulate_colour_4(const __global float *restrict wave, const gk_u32 stride,
-                                  const gk_u32 n, const gk_u32 lane, __global float *restrict film,
+                                  const gk_u32 lane, __global float *restrict film,
                                   const gk_u32 offset, const gk_u32 step)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
-    if (i >= n)
-        return;
     take_colour(wave, stride, lane + i, film + offset, 0u, i);
     take_colour(wave, stride, lane + step + i, film + offset, 1u, i);
     take_colour(wave, stride, lane + 2u * step + i, film + offset, 0u, i);
@@ -50,12 +46,10 @@ __kernel void accumulate_colour_4(const __global float *restrict wave, const gk_
 
 // The same radiance into the sums of a batch, from `offset` words on.
 __kernel void accumulate_batch(const __global float *restrict wave, const gk_u32 stride,
-                               const gk_u32 n, const gk_u32 lane, __global float *restrict film,
+                               const gk_u32 lane, __global float *restrict film,
                                const gk_u32 offset)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
-    if (i >= n)
-        return;
     const gk_f32 r = GK_LOAD(GK_COL_LR, lane + i), g = GK_LOAD(GK_COL_LG, lane + i),
                  b = GK_LOAD(GK_COL_LB, lane + i);
     const gk_i32 finite = gk_isfinite(r) && gk_isfinite(g) && gk_isfinite(b);
@@ -100,22 +94,17 @@ GK_INLINE void take_aovs(const __global float *wave, gk_u32 stride, gk_u32 lane,
 }
 
 __kernel void accumulate_aovs(const __global float *restrict wave, const gk_u32 stride,
-                              const gk_u32 n, const gk_u32 lane, __global float *restrict film,
-                              const gk_u32 offset)
+                              const gk_u32 lane, __global float *restrict film, const gk_u32 offset)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
-    if (i >= n)
-        return;
     take_aovs(wave, stride, lane + i, film + offset + GK_PLANES_BASE * GK_TILE_PIXELS, i);
 }
 
 __kernel void accumulate_aovs_4(const __global float *restrict wave, const gk_u32 stride,
-                                const gk_u32 n, const gk_u32 lane, __global float *restrict film,
+                                const gk_u32 lane, __global float *restrict film,
                                 const gk_u32 offset, const gk_u32 step)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
-    if (i >= n)
-        return;
     __global float *tile = film + offset + GK_PLANES_BASE * GK_TILE_PIXELS;
     take_aovs(wave, stride, lane + i, tile, i);
     take_aovs(wave, stride, lane + step + i, tile, i);

@@ -9,8 +9,6 @@ __kernel void generate_camera_rays(__global float *restrict wave, const gk_u32 s
                                    const __global struct gk_wave_rect *restrict rect)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
-    if (i >= rect->lanes)
-        return;
     const struct gk_lane lane = gk_lane_at(rect, i, frame->seed);
     const struct gk_ray ray = gk_camera_ray(frame, lane);
     const gk_i32 inside = lane.x < rect->x_end && lane.y < rect->y_end;

@@ -73,11 +73,10 @@ struct gk_wave_rect {
     gk_u32 tiles_log2;   // log2 of the tiles in a row
     gk_u32 pixels_log2;  // log2 of the pixels of one sample
     gk_u32 sample;       // index of the first sample
-    gk_u32 lanes;
-    gk_u32 spread_log2; // log2 of the pixels from one of the block to the next
-    gk_u32 coarser;     // 1: those in even columns of even rows have had the sample; 0: none has
-    gk_u32 parts_log2;  // log2 of the sequences that samples alternate between
-    gk_u32 pad;
+    gk_u32 spread_log2;  // log2 of the pixels from one of the block to the next
+    gk_u32 coarser;      // 1: those in even columns of even rows have had the sample; 0: none has
+    gk_u32 parts_log2;   // log2 of the sequences that samples alternate between
+    gk_u32 pad[2];
 };
 GK_LAYOUT(gk_wave_rect, 48);
 

@@ -372,7 +372,7 @@ GK_INLINE struct gk_environment gk_environment_of(const __global struct gk_frame
 }
 
 __kernel void shade_surface(
-    __global float *restrict wave, const gk_u32 stride, const gk_u32 n,
+    __global float *restrict wave, const gk_u32 stride,
     const __global struct gk_frame *restrict frame,
     const __global struct gk_wave_rect *restrict rect,
     const __global struct gk_triangle *restrict triangles,
@@ -391,8 +391,6 @@ __kernel void shade_surface(
     const __global struct gk_env_cell *restrict env_cells)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
-    if (i >= n)
-        return;
     const struct gk_resident scene = {triangles,
                                       tangents,
                                       uv1,

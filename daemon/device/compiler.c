@@ -37,6 +37,8 @@ static void set_vectoriser(struct options *o)
 #ifdef __x86_64__
     if (__builtin_cpu_supports("avx512f"))
         add(o, "-force-vector-width=16", NULL, NULL);
+    else if (__builtin_cpu_supports("avx2"))
+        add(o, "-force-vector-width=8", NULL, NULL);
 #endif
 }
 

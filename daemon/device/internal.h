@@ -76,4 +76,11 @@ glint_status glint_cl_fail(struct glint_error *err, const char *call, cl_int cod
 
 void glint_programs_destroy(glint_devices *devices);
 
+// Compiles what a launch of `items` would run, into PoCL's cache, and runs nothing. The launch waits for
+// ever, so neither worker nor devices can be destroyed afterwards: for a process of one thread that
+// does nothing else.
+glint_status glint_compile(glint_worker *worker, glint_program *program, const char *kernel,
+                           size_t items, size_t group, const struct glint_arg *args, size_t count,
+                           struct glint_error *err);
+
 #endif

@@ -135,6 +135,37 @@ static cl_int run_safely(const glint_worker *worker, const struct kernel *kernel
     return found ? failure : run_alone(worker, kernel, items);
 }
 
+// Enqueued behind an event that never comes: PoCL compiles what it is given at once, ready or not.
+// (Where such an event fails, PoCL 3.1 unlocks what it has not locked and ends the process.)
+static cl_int run_never(const glint_worker *worker, const struct kernel *kernel, size_t items)
+{
+    static cl_event never; // of the one thread that compiles
+    const size_t group = kernel->code->group;
+    cl_int failure = CL_SUCCESS;
+    if (!never)
+        never = clCreateUserEvent(worker->devices->context, &failure);
+    return failure ? failure
+                   : clEnqueueNDRangeKernel(worker->queue, kernel->object, 1, NULL, &items, &group,
+                                            1, &never, NULL);
+}
+
+glint_status glint_compile(glint_worker *worker, glint_program *program, const char *kernel,
+                           size_t items, size_t group, const struct glint_arg *args, size_t count,
+                           struct glint_error *err)
+{
+    assert(group && items && items % group == 0);
+    struct kernel *k = NULL;
+    glint_status st = find_kernel(&k, worker, program, kernel, group, err);
+    if (!st)
+        st = set_args(k->object, kernel, args, count, err);
+    if (st)
+        return st;
+    const cl_int failure = run_never(worker, k, items);
+    return failure ? glint_fail(err, GLINT_E_DEVICE, "", "kernel %s does not compile (%d)", kernel,
+                                failure)
+                   : GLINT_OK;
+}
+
 glint_status glint_launch(glint_worker *worker, glint_program *program, const char *kernel,
                           size_t items, size_t group, const struct glint_arg *args, size_t count,
                           struct glint_error *err)

@@ -68,8 +68,8 @@ void glint_run_charge(struct glint_run *r, enum glint_pass pass)
 #define BUFFER GLINT_ARG_BUFFER
 #define VALUE GLINT_ARG_VALUE
 
-// Kernels do nothing beyond their n, so a grid may be larger. PoCL specialises a kernel for the
-// largest grid it has seen; if workers were the first to bring a larger one, each would compile it.
+// PoCL specialises a kernel for the largest grid it has seen; if workers were the first to bring a
+// larger one, each would compile it.
 static size_t grid_of(const struct glint_run *r, uint32_t n)
 {
     return r->compiling ? GLINT_WAVE_LANES : (n + GROUP - 1) / GROUP * (size_t)GROUP;
@@ -86,10 +86,17 @@ static glint_status generate(struct glint_run *r)
 {
     const uint32_t stride = STRIDE;
     struct gk_wave_rect *rect = glint_buffer_host(r->wave->rect);
-    *rect = (struct gk_wave_rect){
-        r->block->x,           r->block->y,       r->block->x_end,    r->block->y_end,
-        r->block->tiles_log2,  r->pixels_log2,    r->block->sample,   r->lanes,
-        r->block->spread_log2, r->block->coarser, r->job->parts_log2, 0};
+    *rect = (struct gk_wave_rect){r->block->x,
+                                  r->block->y,
+                                  r->block->x_end,
+                                  r->block->y_end,
+                                  r->block->tiles_log2,
+                                  r->pixels_log2,
+                                  r->block->sample,
+                                  r->block->spread_log2,
+                                  r->block->coarser,
+                                  r->job->parts_log2,
+                                  {0}};
     const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), BUFFER(r->job->frame),
                                      BUFFER(r->wave->rect)};
     const glint_status st = glint_run_launch(r, "generate_camera_rays", r->lanes, args, 4);
@@ -121,15 +128,35 @@ static void fetch_records(const struct glint_run *r, uint32_t n)
     }
 }
 
+#define LANE_OF_NOBODY GLINT_WAVE_LANES
+
+// Kernels over paths run whole groups, because to ask each item whether it is a path costs half of their
+// time (masked loads). Behind the last path stand copies of the first: what they read there is to be
+// read, and what they find goes to a lane that no pixel has.
+static void fill_group(const struct glint_run *r, uint32_t n)
+{
+    float *columns = glint_buffer_host(r->wave->columns);
+    const uint32_t end = (n + GROUP - 1) / GROUP * GROUP;
+    for (uint32_t k = 0; k < GK_COL_SOX; k++) {
+        float *column = columns + (size_t)k * STRIDE;
+        for (uint32_t i = n; i < end; i++)
+            column[i] = column[0];
+    }
+    uint32_t *lane = (uint32_t *)columns + (size_t)GK_COL_LANE * STRIDE;
+    for (uint32_t i = n; i < end; i++)
+        lane[i] = LANE_OF_NOBODY;
+}
+
 static glint_status shade(struct glint_run *r, uint32_t n)
 {
     fetch_records(r, n);
+    fill_group(r, n);
     const uint32_t stride = STRIDE;
-    struct glint_arg args[5 + GLINT_TABLES] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(n),
+    struct glint_arg args[4 + GLINT_TABLES] = {BUFFER(r->wave->columns), VALUE(stride),
                                                BUFFER(r->job->frame), BUFFER(r->wave->rect)};
     for (int t = 0; t < GLINT_TABLES; t++)
-        args[5 + t].buffer = glint_resident_table(r->job->scene, t);
-    const glint_status st = glint_run_launch(r, "shade_surface", n, args, 5 + GLINT_TABLES);
+        args[4 + t].buffer = glint_resident_table(r->job->scene, t);
+    const glint_status st = glint_run_launch(r, "shade_surface", n, args, 4 + GLINT_TABLES);
     glint_run_charge(r, GLINT_PASS_SHADE);
     return st;
 }
@@ -138,9 +165,9 @@ static glint_status shade(struct glint_run *r, uint32_t n)
 static glint_status carry(struct glint_run *r, const char *kernel, uint32_t n)
 {
     const uint32_t stride = STRIDE;
-    const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(n),
+    const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride),
                                      BUFFER(r->job->frame)};
-    const glint_status st = glint_run_launch(r, kernel, n, args, 4);
+    const glint_status st = glint_run_launch(r, kernel, n, args, 3);
     glint_run_charge(r, GLINT_PASS_CARRIED);
     return st;
 }
@@ -158,8 +185,8 @@ static glint_status trace_shadows(struct glint_run *r, uint32_t n)
     if (r->job->watertight)
         glint_geometry_close_shadows(r->job->geometry, columns, STRIDE, n);
     glint_run_charge(r, GLINT_PASS_SHADOW);
-    const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(n)};
-    const glint_status st = glint_run_launch(r, "add_unoccluded", n, args, 3);
+    const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride)};
+    const glint_status st = glint_run_launch(r, "add_unoccluded", n, args, 2);
     glint_run_charge(r, GLINT_PASS_UNOCCLUDED);
     return st;
 }
@@ -230,9 +257,9 @@ static glint_status accumulate_batch(struct glint_run *r, const struct glint_fil
     const uint32_t stride = STRIDE, batch = sample % GK_BATCHES;
     const uint32_t words = 3 * GK_SUM_PLANES * GK_TILE_PIXELS;
     const uint32_t offset = at->batches_offset + batch * words;
-    const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(n), VALUE(lane),
-                                     BUFFER(at->planes),       VALUE(offset)};
-    const glint_status st = glint_run_launch(r, "accumulate_batch", n, args, 6);
+    const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(lane),
+                                     BUFFER(at->planes), VALUE(offset)};
+    const glint_status st = glint_run_launch(r, "accumulate_batch", n, args, 5);
     glint_run_charge(r, GLINT_PASS_BATCHES);
     return st;
 }
@@ -243,14 +270,14 @@ static glint_status accumulate_film(struct glint_run *r, const struct glint_film
 {
     const uint32_t stride = STRIDE;
     const struct glint_arg args[] = {
-        BUFFER(r->wave->columns), VALUE(stride), VALUE(n), VALUE(lane), BUFFER(at->planes),
+        BUFFER(r->wave->columns), VALUE(stride), VALUE(lane), BUFFER(at->planes),
         VALUE(at->planes_offset), VALUE(last)};
     glint_status st =
-        glint_run_launch(r, four ? "accumulate_colour_4" : "accumulate_colour", n, args, 7);
+        glint_run_launch(r, four ? "accumulate_colour_4" : "accumulate_colour", n, args, 6);
     glint_run_charge(r, GLINT_PASS_COLOUR);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_AOVS)) {
         st = glint_run_launch(r, four ? "accumulate_aovs_4" : "accumulate_aovs", n, args,
-                              four ? 7 : 6);
+                              four ? 6 : 5);
         glint_run_charge(r, GLINT_PASS_AOVS);
     }
     return st;
@@ -344,17 +371,17 @@ glint_status glint_wave_run(glint_wave *wave, glint_worker *worker,
     return st;
 }
 
-// Launches every kernel of the plan over no item.
+// Launches every kernel of the plan: those over paths with camera rays of no pixel that met nothing.
 static glint_status launch_all(struct glint_run *r)
 {
-    const uint32_t stride = STRIDE, none = 0;
-    const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride), VALUE(none)};
+    const uint32_t stride = STRIDE;
+    const struct glint_arg args[] = {BUFFER(r->wave->columns), VALUE(stride)};
     const struct glint_film_tile nowhere = {.planes = r->wave->columns, .tables = r->wave->columns};
     glint_status st = generate(r);
     if (!st)
         st = shade(r, 0);
     if (!st && glint_plan_has(r->job->plan, GLINT_PASS_UNOCCLUDED))
-        st = glint_run_launch(r, "add_unoccluded", 0, args, 3);
+        st = glint_run_launch(r, "add_unoccluded", 0, args, 2);
     if (!st)
         st = accumulate_film(r, &nowhere, 0, 0, false, 0);
     if (!st)

@@ -31,7 +31,7 @@ static struct gk_vec normal_at(float time)
     const struct gk_instance instance = {.matte = 2, .light = GK_NONE, .mover = 0};
     const struct gk_mover mover = {.turn = 0, .flow = GK_NONE};
     const struct gk_material material = {.ior = 1.0f, .opacity = 1.0f};
-    const struct gk_wave_rect rect = {.lanes = 1};
+    const struct gk_wave_rect rect = {0};
     const struct gk_resident scene = {.triangle = &triangle,
                                       .instance = &instance,
                                       .mover = &mover,

@@ -80,14 +80,13 @@ static void bench_close(struct bench *b)
 
 static void bench_add(const struct bench *b)
 {
-    const uint32_t stride = LANES, n = LANES, zero = 0;
-    const struct glint_arg args[] = {{.buffer = b->wave},        {.value = &stride, .size = 4},
-                                     {.value = &n, .size = 4},   {.value = &zero, .size = 4},
-                                     {.buffer = b->film},        {.value = &zero, .size = 4},
-                                     {.value = &zero, .size = 4}};
+    const uint32_t stride = LANES, zero = 0;
+    const struct glint_arg args[] = {{.buffer = b->wave},         {.value = &stride, .size = 4},
+                                     {.value = &zero, .size = 4}, {.buffer = b->film},
+                                     {.value = &zero, .size = 4}, {.value = &zero, .size = 4}};
     struct glint_error err = {0};
     if (glint_launch(glint_devices_spare(o.devices), b->program, "accumulate_colour", LANES, 64,
-                     args, 7, &err))
+                     args, 6, &err))
         offline_die("accumulate_colour", &err);
 }
 
@@ -147,9 +146,8 @@ static double path_error(const char *options, bool wide)
     double exact[LANES] = {0}, largest = 0.0;
     uint64_t seed = 9;
     bench_open(&b, options);
-    const uint32_t stride = LANES, n = LANES;
-    const struct glint_arg args[] = {
-        {.buffer = b.wave}, {.value = &stride, .size = 4}, {.value = &n, .size = 4}};
+    const uint32_t stride = LANES;
+    const struct glint_arg args[] = {{.buffer = b.wave}, {.value = &stride, .size = 4}};
     struct glint_error err = {0};
     for (uint32_t i = 0; i < LANES; i++) {
         memcpy(&column(&b, GK_COL_SLANE)[i], &i, 4);
@@ -159,7 +157,7 @@ static double path_error(const char *options, bool wide)
         for (uint32_t i = 0; i < LANES; i++)
             exact[i] += column(&b, GK_COL_SR)[i] = (float)stable_random(&seed);
         if (glint_launch(glint_devices_spare(o.devices), b.program, "add_unoccluded", LANES, 64,
-                         args, 3, &err))
+                         args, 2, &err))
             offline_die("add_unoccluded", &err);
     }
     bench_add(&b);

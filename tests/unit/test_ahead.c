@@ -327,7 +327,7 @@ static int count_kernels(void)
 // Light that unoccluded shadow rays of a wave bring, some of it denormal, which kernels take for 0.
 static void add_light(glint_devices *devices, glint_program *program, float light[3 * RAYS])
 {
-    const uint32_t stride = RAYS, n = RAYS;
+    const uint32_t stride = RAYS;
     const size_t bytes = (size_t)GK_COLUMNS * RAYS * 4;
     glint_buffer *wave;
     assert_int_equal(glint_buffer_create(&wave, devices, bytes, NULL), GLINT_OK);
@@ -341,10 +341,9 @@ static void add_light(glint_devices *devices, glint_program *program, float ligh
             column[(GK_COL_LR + k) * stride + i] = ldexpf(0.7f, -(int)(3 * i) - 3);
         }
     }
-    const struct glint_arg args[] = {
-        {.buffer = wave}, {.value = &stride, .size = 4}, {.value = &n, .size = 4}};
+    const struct glint_arg args[] = {{.buffer = wave}, {.value = &stride, .size = 4}};
     assert_int_equal(glint_launch(glint_devices_spare(devices), program, "add_unoccluded", RAYS,
-                                  GLINT_AHEAD_GROUP, args, 3, NULL),
+                                  GLINT_AHEAD_GROUP, args, 2, NULL),
                      GLINT_OK);
     memcpy(light, column + GK_COL_LR * stride, 3 * RAYS * sizeof *light);
     glint_buffer_destroy(&wave);
