@@ -60,7 +60,7 @@ GK_INLINE struct gk_vec gk_diffuse_coupling(const struct gk_surface *s, gk_f32 c
 GK_INLINE struct gk_vec gk_multiple_eval(const struct gk_surface *s, gk_f32 cos_i)
 {
     const gk_f32 loss_i =
-        1.0f - gk_energy_albedo(s->energy, GK_ENERGY_WHITE, gk_min(cos_i, 1.0f), s->alpha);
+        1.0f - gk_energy_albedo(&s->energy, GK_ENERGY_WHITE, gk_min(cos_i, 1.0f), s->alpha);
     return gk_scale(s->again, loss_i * cos_i * (1.0f / GK_PI));
 }
 #endif
@@ -78,7 +78,7 @@ GK_INLINE void gk_coat_cover(const struct gk_surface *s, struct gk_vec wi,
 {
     gk_f32 pdf;
     const gk_f32 f = gk_coat_eval(&s->coat, wi, &pdf);
-    const gk_f32 passed = gk_coat_passes(&s->coat, s->energy, wi, gk_coat_faces(s, wi));
+    const gk_f32 passed = gk_coat_passes(&s->coat, &s->energy, wi, gk_coat_faces(s, wi));
     value->f = gk_along(gk_splat(f), value->f, passed);
     value->pdf += s->coat.p * pdf;
 }
@@ -88,7 +88,7 @@ GK_INLINE void gk_coat_take(const struct gk_surface *s, gk_i32 coat, gk_f32 u, g
 {
     gk_f32 weight;
     const struct gk_vec wi = gk_coat_sample(&s->coat, u, v, &weight);
-    const gk_f32 passed = gk_coat_passes(&s->coat, s->energy, out->wi, gk_coat_faces(s, out->wi));
+    const gk_f32 passed = gk_coat_passes(&s->coat, &s->energy, out->wi, gk_coat_faces(s, out->wi));
     out->wi = gk_vec_select(out->wi, wi, coat);
     out->weight = gk_vec_select(gk_scale(out->weight, passed), gk_splat(weight), coat);
     out->delta = coat ? s->coat.alpha < GK_ALPHA_DELTA : out->delta;

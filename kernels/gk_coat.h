@@ -24,7 +24,7 @@ struct gk_coat {
 };
 
 // Share of the light at `cosine` that the coat sends back.
-GK_INLINE gk_f32 gk_coat_albedo(const struct gk_coat *c, const GK_GLOBAL gk_f32 *energy,
+GK_INLINE gk_f32 gk_coat_albedo(const struct gk_coat *c, const struct gk_energy_table *energy,
                                 gk_f32 cosine)
 {
     const gk_f32 z = gk_saturate(cosine);
@@ -33,7 +33,8 @@ GK_INLINE gk_f32 gk_coat_albedo(const struct gk_coat *c, const GK_GLOBAL gk_f32 
     return c->weight * (c->alpha < GK_ALPHA_DELTA ? smooth : rough);
 }
 
-GK_INLINE void gk_coat_prepare(struct gk_coat *c, const GK_GLOBAL gk_f32 *energy, struct gk_vec wo)
+GK_INLINE void gk_coat_prepare(struct gk_coat *c, const struct gk_energy_table *energy,
+                               struct gk_vec wo)
 {
     c->wo = gk_to_local(c->frame, wo);
     c->wo.z = gk_max(c->wo.z, 1e-6f);
@@ -41,7 +42,7 @@ GK_INLINE void gk_coat_prepare(struct gk_coat *c, const GK_GLOBAL gk_f32 *energy
 }
 
 // Share of what lies below that is seen at wi. outside: whether wi is on the coat's side of a solid.
-GK_INLINE gk_f32 gk_coat_passes(const struct gk_coat *c, const GK_GLOBAL gk_f32 *energy,
+GK_INLINE gk_f32 gk_coat_passes(const struct gk_coat *c, const struct gk_energy_table *energy,
                                 struct gk_vec wi, gk_i32 outside)
 {
     const gk_f32 albedo_i = gk_coat_albedo(c, energy, gk_abs(gk_dot(wi, c->frame.n)));

@@ -12,6 +12,7 @@
 #ifndef GK_ENERGY_H
 #define GK_ENERGY_H
 
+#include "kernels/gk_cut.h"
 #include "kernels/gk_math.h"
 
 #define GK_ENERGY_SIDE 32 // entries for sqrt(cos), and for sqrt(alpha), from 0 to 1
@@ -24,6 +25,11 @@
 #define GK_ENERGY_OPEN (6 * GK_ENERGY_PART)
 #define GK_ENERGY_SCATTER (7 * GK_ENERGY_PART)
 #define GK_ENERGY_PARTS 8 // of a transmitting interface
+
+struct gk_energy_table {
+    const GK_GLOBAL gk_f32 *entry;
+    struct gk_cut cut;
+};
 
 // Place of x in 0..1 between entries: the lower one and the weight of the upper.
 struct gk_energy_place {
@@ -41,27 +47,30 @@ GK_INLINE struct gk_energy_place gk_energy_find(gk_f32 x)
 }
 
 // Between entry `at` of the table and the next.
-GK_INLINE gk_f32 gk_energy_row(const GK_GLOBAL gk_f32 *table, gk_i32 at, gk_f32 weight)
+GK_INLINE gk_f32 gk_energy_row(const struct gk_energy_table *table, gk_i32 at, gk_f32 weight)
 {
-    const gk_f32 a = table[at], b = table[at + 1];
+    const gk_f32 a = table->entry[at], b = table->entry[at + 1];
     return a + (b - a) * weight;
 }
 
 // part: offset of its first entry.
-GK_INLINE gk_f32 gk_energy_albedo(const GK_GLOBAL gk_f32 *table, gk_i32 part, gk_f32 cosine,
+GK_INLINE gk_f32 gk_energy_albedo(const struct gk_energy_table *table, gk_i32 part, gk_f32 cosine,
                                   gk_f32 alpha)
 {
     const struct gk_energy_place x = gk_energy_find(cosine), y = gk_energy_find(alpha);
     const gk_i32 at = part + y.lower * GK_ENERGY_SIDE + x.lower;
+    GK_CUT(table->cut);
     const gk_f32 a = gk_energy_row(table, at, x.weight);
     const gk_f32 b = gk_energy_row(table, at + GK_ENERGY_SIDE, x.weight);
     return a + (b - a) * y.weight;
 }
 
-GK_INLINE gk_f32 gk_energy_mean(const GK_GLOBAL gk_f32 *table, gk_i32 part, gk_f32 alpha)
+GK_INLINE gk_f32 gk_energy_mean(const struct gk_energy_table *table, gk_i32 part, gk_f32 alpha)
 {
-    const struct gk_energy_place at = gk_energy_find(alpha);
-    return gk_energy_row(table, part + GK_ENERGY_SIDE * GK_ENERGY_SIDE + at.lower, at.weight);
+    const struct gk_energy_place y = gk_energy_find(alpha);
+    const gk_i32 at = part + GK_ENERGY_SIDE * GK_ENERGY_SIDE + y.lower;
+    GK_CUT(table->cut);
+    return gk_energy_row(table, at, y.weight);
 }
 
 #endif

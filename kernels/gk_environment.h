@@ -6,6 +6,7 @@
 #ifndef GK_ENVIRONMENT_H
 #define GK_ENVIRONMENT_H
 
+#include "kernels/gk_cut.h"
 #include "kernels/gk_frame.h"
 #include "kernels/gk_scene.h"
 #include "kernels/gk_vec.h"
@@ -16,6 +17,7 @@ struct gk_environment {
     gk_i32 width, height, cell_width, cell_height;
     gk_f32 cosine, sine; // of the rotation
     struct gk_vec factor;
+    struct gk_cut cut;
 };
 
 struct gk_direction_uv {
@@ -54,6 +56,7 @@ GK_INLINE struct gk_vec gk_environment_radiance(const struct gk_environment *e,
     y0 = gk_max_i32(y0, 0);
     y1 = gk_min_i32(y1, e->height - 1);
     y0 = gk_min_i32(y0, e->height - 1);
+    GK_CUT(e->cut);
     const gk_f32 wx = x - fx, wy = y - fy;
     const struct gk_vec top = gk_along(gk_scale(gk_environment_texel(e, x0, y0), 1.0f - wx),
                                        gk_environment_texel(e, x1, y0), wx);
@@ -67,6 +70,7 @@ GK_INLINE gk_f32 gk_environment_pdf(const struct gk_environment *e, struct gk_di
 {
     const gk_i32 x = gk_min_i32((gk_i32)(at.u * (gk_f32)e->cell_width), e->cell_width - 1);
     const gk_i32 y = gk_min_i32((gk_i32)(at.v * (gk_f32)e->cell_height), e->cell_height - 1);
+    GK_CUT(e->cut);
     return e->cell[y * e->cell_width + x].pdf / (2.0f * GK_PI * GK_PI * at.sine);
 }
 
@@ -76,6 +80,7 @@ GK_INLINE struct gk_vec gk_environment_sample(const struct gk_environment *e, gk
 {
     const gk_i32 cells = e->cell_width * e->cell_height;
     const gk_i32 slot = gk_min_i32((gk_i32)(choice * (gk_f32)cells), cells - 1);
+    GK_CUT(e->cut);
     const gk_i32 taken = keep < e->cell[slot].keep ? slot : (gk_i32)e->cell[slot].other;
     // Exact for fewer than 2^22 cells: the half keeps the quotient away from integers.
     const gk_i32 y = (gk_i32)(((gk_f32)taken + 0.5f) / (gk_f32)e->cell_width);

@@ -156,9 +156,10 @@ GK_INLINE gk_i32 gk_light_pair_below(struct gk_light_pair *r, gk_f32 keep)
 }
 
 GK_INLINE gk_u32 gk_alias_choose(const GK_GLOBAL struct gk_alias *table, gk_u32 n,
-                                 struct gk_light_pair *r)
+                                 struct gk_light_pair *r, struct gk_cut cut)
 {
     const gk_u32 i = gk_light_pair_slot(r, n);
+    GK_CUT(cut);
 #ifdef GK_LIGHTS_UNIFORM
     (void)table;
     return i;

@@ -34,6 +34,7 @@ struct gk_light_grid {
     gk_u32 clusters; // 0: there is no grid
     gk_u32 many;     // 1: sixteen candidates are drawn, and not four
     gk_u32 first_cluster, first_member, first_owner;
+    struct gk_cut cut;
 };
 
 // Which light, and with what probability.
@@ -58,7 +59,8 @@ GK_INLINE gk_u32 gk_grid_axis(gk_f32 x, gk_f32 origin, gk_f32 scale, gk_u32 size
 }
 
 GK_INLINE struct gk_light_grid gk_light_grid_at(const GK_GLOBAL struct gk_frame *f,
-                                                const GK_GLOBAL gk_u32 *words, struct gk_vec p)
+                                                const GK_GLOBAL gk_u32 *words, struct gk_vec p,
+                                                struct gk_cut cut)
 {
     const gk_u32 x = gk_grid_axis(p.x, f->grid_origin[0], f->grid_scale[0], f->grid_size[0]);
     const gk_u32 y = gk_grid_axis(p.y, f->grid_origin[1], f->grid_scale[1], f->grid_size[1]);
@@ -73,6 +75,8 @@ GK_INLINE struct gk_light_grid gk_light_grid_at(const GK_GLOBAL struct gk_frame 
     g.first_cluster = cells * f->grid_clusters * GK_GRID_ENTRY;
     g.first_member = f->grid_members;
     g.first_owner = f->grid_owners;
+    g.cut = cut;
+    GK_CUT(cut);
     return g;
 }
 
@@ -95,12 +99,15 @@ GK_INLINE struct gk_light_pick gk_grid_choose(const struct gk_light_grid *g,
                                               struct gk_light_pair *r)
 {
     const gk_u32 slot = gk_light_pair_slot(r, g->clusters);
+    GK_CUT(g->cut);
     const gk_u32 entry = gk_grid_word(g, g->cell + slot * GK_GRID_ENTRY);
     const gk_f32 share = (gk_f32)(gk_i32)(entry >> 16) * (1.0f / GK_GRID_KEEP);
     const gk_u32 cluster = gk_light_pair_below(r, share) ? slot : entry & 0xffffu;
+    GK_CUT(g->cut);
     const gk_u32 record = g->first_cluster + cluster * GK_GRID_CLUSTER;
     const gk_u32 place =
         gk_grid_word(g, record) + gk_light_pair_slot(r, gk_grid_word(g, record + 1u));
+    GK_CUT(g->cut);
     const gk_u32 member = g->first_member + place * GK_GRID_MEMBER;
     const gk_f32 keep = gk_as_f32(gk_grid_word(g, member));
     struct gk_light_pick p;

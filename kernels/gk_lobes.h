@@ -14,12 +14,12 @@ struct gk_surface {
     gk_f32 eta;          // index on the far side over index on the side of wo
     gk_f32 fresnel_mean; // of the dielectric, from outside
     gk_i32 thin;
-    gk_i32 inside;                  // wo is inside of a solid; under GK_CLEARCOAT
-    gk_f32 specular;                // under GK_SPECULAR
-    struct gk_vec specular_color;   // under GK_SPECULAR
-    gk_f32 collimation;             // under GK_COLLIMATION
-    struct gk_coat coat;            // under GK_CLEARCOAT
-    const GK_GLOBAL gk_f32 *energy; // table of gk_energy.h, under GK_CLEARCOAT and GK_MULTISCATTER
+    gk_i32 inside;                 // wo is inside of a solid; under GK_CLEARCOAT
+    gk_f32 specular;               // under GK_SPECULAR
+    struct gk_vec specular_color;  // under GK_SPECULAR
+    gk_f32 collimation;            // under GK_COLLIMATION
+    struct gk_coat coat;           // under GK_CLEARCOAT
+    struct gk_energy_table energy; // of gk_energy.h, under GK_CLEARCOAT and GK_MULTISCATTER
     gk_i32 interface; // part of the table that is the dielectric's from outside, 0: none
 
     // Prepared for wo:
@@ -124,8 +124,8 @@ GK_INLINE struct gk_vec gk_multiple_tint(struct gk_vec r, gk_f32 mean)
 // Albedo of all that the rough interface reflects.
 GK_INLINE struct gk_vec gk_interface_albedo(const struct gk_surface *s, gk_f32 cosine)
 {
-    const gk_f32 white = gk_energy_albedo(s->energy, GK_ENERGY_WHITE, cosine, s->alpha);
-    const gk_f32 part = gk_energy_albedo(s->energy, s->interface, cosine, s->alpha);
+    const gk_f32 white = gk_energy_albedo(&s->energy, GK_ENERGY_WHITE, cosine, s->alpha);
+    const gk_f32 part = gk_energy_albedo(&s->energy, s->interface, cosine, s->alpha);
     const struct gk_vec all =
         gk_along(gk_rough_dielectric(s, white, part), s->again_below, 1.0f - white);
     return gk_vec(gk_min(all.x, 1.0f), gk_min(all.y, 1.0f), gk_min(all.z, 1.0f));
@@ -135,9 +135,9 @@ GK_INLINE struct gk_vec gk_interface_albedo(const struct gk_surface *s, gk_f32 c
 // Conty 2017, (1-E(o))(1-E(i)) / (pi (1-Emean)), for metal and for opaque dielectric.
 GK_INLINE gk_f32 gk_multiple_prepare(struct gk_surface *s, gk_f32 cos_o)
 {
-    const gk_f32 mean = gk_energy_mean(s->energy, GK_ENERGY_WHITE, s->alpha);
-    const gk_f32 part = gk_energy_mean(s->energy, s->interface, s->alpha);
-    const gk_f32 white_o = gk_energy_albedo(s->energy, GK_ENERGY_WHITE, cos_o, s->alpha);
+    const gk_f32 mean = gk_energy_mean(&s->energy, GK_ENERGY_WHITE, s->alpha);
+    const gk_f32 part = gk_energy_mean(&s->energy, s->interface, s->alpha);
+    const gk_f32 white_o = gk_energy_albedo(&s->energy, GK_ENERGY_WHITE, cos_o, s->alpha);
     const struct gk_vec fm =
         gk_along(gk_scale(s->base, 20.0f / 21.0f), gk_splat(1.0f / 21.0f), 1.0f);
     const gk_f32 opaque = (1.0f - s->metallic) * (1.0f - s->transmission);
@@ -185,7 +185,7 @@ GK_INLINE void gk_lobes_prepare(struct gk_surface *s, struct gk_vec wo)
     diffuse += again;
 #endif
 #ifdef GK_CLEARCOAT
-    gk_coat_prepare(&s->coat, s->energy, wo);
+    gk_coat_prepare(&s->coat, &s->energy, wo);
     s->coat.albedo_o = s->inside ? 0.0f : s->coat.albedo_o;
     const gk_f32 coat = s->coat.albedo_o, passed = 1.0f - coat;
     const gk_f32 sum = (diffuse + other) * passed + coat;

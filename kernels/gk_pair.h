@@ -49,9 +49,9 @@ GK_INLINE struct gk_pair gk_pair_find(const struct gk_surface *s, gk_i32 known, 
     const gk_i32 side = known ? s->interface + (inside ? GK_ENERGY_INSIDE : 0) : 0;
     const gk_i32 both = known ? side + GK_ENERGY_BOTH : 0;
     struct gk_pair p;
-    p.white = gk_energy_albedo(s->energy, GK_ENERGY_WHITE, cos_o, s->alpha);
-    p.reflect = gk_energy_albedo(s->energy, side, cos_o, s->alpha);
-    p.both = gk_energy_albedo(s->energy, both, cos_o, s->alpha);
+    p.white = gk_energy_albedo(&s->energy, GK_ENERGY_WHITE, cos_o, s->alpha);
+    p.reflect = gk_energy_albedo(&s->energy, side, cos_o, s->alpha);
+    p.both = gk_energy_albedo(&s->energy, both, cos_o, s->alpha);
     p.white = s->delta ? 1.0f : p.white;
     p.reflect = s->delta ? s->fresnel_o : p.reflect;
     p.both = s->thin ? p.white : p.both;
@@ -60,17 +60,17 @@ GK_INLINE struct gk_pair gk_pair_find(const struct gk_surface *s, gk_i32 known, 
 #ifdef GK_SPECULAR
     const gk_i32 rest = known ? side + GK_ENERGY_SPARED : 0;
     const gk_i32 below = known && inside ? s->interface + GK_ENERGY_OPEN : GK_ENERGY_WHITE;
-    p.open = gk_energy_albedo(s->energy, below, cos_o, s->alpha);
+    p.open = gk_energy_albedo(&s->energy, below, cos_o, s->alpha);
     p.open = s->delta ? (s->fresnel_o < 1.0f ? 1.0f : 0.0f) : p.open;
-    p.spared = s->thin ? 0.0f : gk_energy_albedo(s->energy, rest, cos_o, s->alpha);
+    p.spared = s->thin ? 0.0f : gk_energy_albedo(&s->energy, rest, cos_o, s->alpha);
 #endif
     p.scatter_white = 0.0f;
     p.scatter = 0.0f;
 #ifdef GK_COLLIMATION
     const gk_i32 part = known ? s->interface + GK_ENERGY_SCATTER : 0;
     const gk_f32 z = gk_pair_cosine(s, cos_o);
-    const gk_f32 white = gk_energy_albedo(s->energy, GK_ENERGY_WHITE, z, s->alpha_t);
-    const gk_f32 scatter = gk_energy_albedo(s->energy, part, z, s->alpha_t);
+    const gk_f32 white = gk_energy_albedo(&s->energy, GK_ENERGY_WHITE, z, s->alpha_t);
+    const gk_f32 scatter = gk_energy_albedo(&s->energy, part, z, s->alpha_t);
     p.scatter_white = z > 0.0f ? white : 0.0f;
     p.scatter = z > 0.0f ? scatter : 0.0f;
 #endif

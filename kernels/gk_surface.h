@@ -138,7 +138,8 @@ GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const st
     s.thin = 0;
     s.eta = GK_MATERIAL(r, m, ior);
 #endif
-    s.energy = r->energy;
+    s.energy.entry = r->energy;
+    s.energy.cut = r->textures.cut;
     s.interface = (gk_i32)GK_MATERIAL(r, m, energy);
 #ifdef GK_NESTED
     s.interface = hit->eta > 0.0f ? 0 : s.interface; // another index than in the open

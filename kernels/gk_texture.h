@@ -2,6 +2,7 @@
 #ifndef GK_TEXTURE_H
 #define GK_TEXTURE_H
 
+#include "kernels/gk_cut.h"
 #include "kernels/gk_math.h"
 #include "kernels/gk_scene.h"
 
@@ -13,6 +14,7 @@ struct gk_texture_pools {
     const GK_GLOBAL gk_u32 *pool2;
     const GK_GLOBAL gk_u32 *pool3;
     const GK_GLOBAL gk_f32 *decode;
+    struct gk_cut cut;
 };
 
 #define GK_TEXTURE(pools, index, member) GK_READ((pools)->texture, gk_texture, index, member)
@@ -123,10 +125,13 @@ GK_INLINE struct gk_texel gk_texture_fetch(const struct gk_texture_pools *p, gk_
     const struct gk_taps y =
         gk_wrap_taps(v, GK_TEXTURE(p, record, height), (flags >> 2) & 3u, nearest);
     const gk_u32 linear = (flags & GK_TEXTURE_SRGB) ? 0u : 256u;
-    const gk_u32 b00 = gk_texel_bits(p, pool, gk_texel_index(offset, tiles, x.lower, y.lower));
-    const gk_u32 b10 = gk_texel_bits(p, pool, gk_texel_index(offset, tiles, x.upper, y.lower));
-    const gk_u32 b01 = gk_texel_bits(p, pool, gk_texel_index(offset, tiles, x.lower, y.upper));
-    const gk_u32 b11 = gk_texel_bits(p, pool, gk_texel_index(offset, tiles, x.upper, y.upper));
+    const gk_u32 i00 = gk_texel_index(offset, tiles, x.lower, y.lower);
+    const gk_u32 i10 = gk_texel_index(offset, tiles, x.upper, y.lower);
+    const gk_u32 i01 = gk_texel_index(offset, tiles, x.lower, y.upper);
+    const gk_u32 i11 = gk_texel_index(offset, tiles, x.upper, y.upper);
+    GK_CUT(p->cut);
+    const gk_u32 b00 = gk_texel_bits(p, pool, i00), b10 = gk_texel_bits(p, pool, i10);
+    const gk_u32 b01 = gk_texel_bits(p, pool, i01), b11 = gk_texel_bits(p, pool, i11);
     const struct gk_texel top =
         gk_texel_mix(gk_texel_decode(p, b00, linear), gk_texel_decode(p, b10, linear), x.weight);
     const struct gk_texel bottom =

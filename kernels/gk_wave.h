@@ -106,7 +106,8 @@
 #define GK_COL_LG_REST 73
 #define GK_COL_LB_REST 74
 #define GK_COL_MET 75 // matte of the vertex just shaded, 0: none
-#define GK_COLUMNS 77
+#define GK_COL_CUT 77 // nothing (gk_cut.h)
+#define GK_COLUMNS 78
 
 // Bits of GK_COL_WAITS beside the slot key.
 #define GK_WAITS_DIRECT 0x80000000u  // seen directly, or by deltas alone

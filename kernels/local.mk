@@ -6,6 +6,7 @@ kernel_headers = \
 	kernels/gk_camera.h \
 	kernels/gk_coat.h \
 	kernels/gk_coverage.h \
+	kernels/gk_cut.h \
 	kernels/gk_energy.h \
 	kernels/gk_environment.h \
 	kernels/gk_facet.h \

@@ -15,6 +15,7 @@ struct gk_lights {
     const __global struct gk_alias *alias;
     const __global gk_u32 *cells; // of the light grid
     struct gk_environment environment;
+    struct gk_cut cut;
 };
 
 // Radiance from beyond the scene, weighted against the light sample that could have found it.
@@ -46,7 +47,7 @@ GK_INLINE gk_f32 gk_table_choice(const __global struct gk_frame *frame,
 {
     const gk_f32 everywhere = gk_light_choice(lights->light, index, frame->lights);
 #ifdef GK_LIGHT_GRID
-    const struct gk_light_grid grid = gk_light_grid_at(frame, lights->cells, p);
+    const struct gk_light_grid grid = gk_light_grid_at(frame, lights->cells, p, lights->cut);
     const gk_f32 here = gk_grid_choice(&grid, index);
     return grid.clusters > 0u ? here : everywhere;
 #else
@@ -102,13 +103,13 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
     struct gk_light_pair whole, pair;
     gk_light_pair_make(&whole, u, v);
     pair = whole;
-    gk_u32 index = gk_alias_choose(lights->alias, frame->lights, &pair);
+    gk_u32 index = gk_alias_choose(lights->alias, frame->lights, &pair, lights->cut);
     gk_f32 chosen = gk_light_choice(lights->light, index, frame->lights) * table;
     gk_f32 s1 = gk_unit_float(pair.u), s2 = pair.v;
 #ifdef GK_LIGHT_GRID
     gk_f32 pick, unused;
     gk_sample_2d(lane.base, lane.index, GK_PAIR_BOUNCE(depth, GK_PAIR_LIGHT_PICK), &pick, &unused);
-    const struct gk_light_grid grid = gk_light_grid_at(frame, lights->cells, to->x);
+    const struct gk_light_grid grid = gk_light_grid_at(frame, lights->cells, to->x, lights->cut);
     const struct gk_light_fold near =
         gk_light_from_grid(&grid, lights->light, to, table, &whole, pick);
     const gk_i32 in_grid = grid.clusters > 0u;
@@ -117,6 +118,7 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
     s1 = in_grid ? near.s : s1;
     s2 = in_grid ? near.t : s2;
 #endif
+    GK_CUT(lights->cut);
     struct gk_light_sample s =
         gk_light_from_table(lights->light, index, to->keys, to->x, chosen, s1, s2);
 #ifdef GK_LIGHT_GRID
@@ -356,7 +358,8 @@ GK_INLINE void gk_add_found(__global float *wave, gk_u32 stride,
 
 GK_INLINE struct gk_environment gk_environment_of(const __global struct gk_frame *frame,
                                                   const __global struct gk_env_texel *texels,
-                                                  const __global struct gk_env_cell *cells)
+                                                  const __global struct gk_env_cell *cells,
+                                                  struct gk_cut cut)
 {
     struct gk_environment e;
     e.texel = texels;
@@ -368,7 +371,23 @@ GK_INLINE struct gk_environment gk_environment_of(const __global struct gk_frame
     e.cosine = frame->env_cos;
     e.sine = frame->env_sin;
     e.factor = gk_vec(frame->environment[0], frame->environment[1], frame->environment[2]);
+    e.cut = cut;
     return e;
+}
+
+// A path has never had so many bounces; the compiler does not know.
+GK_INLINE struct gk_cut gk_cut_of(__global float *wave, gk_u32 stride, gk_u32 i)
+{
+    struct gk_cut cut = gk_cut_none();
+#ifdef GK_CUTS
+    cut.at = &GK_LOAD(GK_COL_CUT, i);
+    cut.never = GK_LOAD_U32(GK_COL_DEPTH, i) == 0xffffffffu;
+#else
+    (void)wave;
+    (void)stride;
+    (void)i;
+#endif
+    return cut;
 }
 
 __kernel void shade_surface(
@@ -391,6 +410,7 @@ __kernel void shade_surface(
     const __global struct gk_env_cell *restrict env_cells)
 {
     const gk_u32 i = (gk_u32)get_global_id(0);
+    const struct gk_cut cut = gk_cut_of(wave, stride, i);
     const struct gk_resident scene = {triangles,
                                       tangents,
                                       uv1,
@@ -401,9 +421,9 @@ __kernel void shade_surface(
                                       flows,
                                       materials,
                                       energy,
-                                      {textures, pool0, pool1, pool2, pool3, decode}};
+                                      {textures, pool0, pool1, pool2, pool3, decode, cut}};
     const struct gk_lights lights = {light_table, alias, light_cells,
-                                     gk_environment_of(frame, env_texels, env_cells)};
+                                     gk_environment_of(frame, env_texels, env_cells, cut), cut};
     const struct gk_vertex x = gk_vertex_load(wave, stride, i, frame, rect, &scene);
     if (x.path.depth == 0u && !x.passes)
         gk_store_first_hit(wave, stride, frame, &scene, &x);

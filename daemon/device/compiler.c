@@ -42,6 +42,16 @@ static void set_vectoriser(struct options *o)
 #endif
 }
 
+// With AVX-512 LLVM uses gathers.
+const char *glint_compiler_options(void)
+{
+#ifdef __x86_64__
+    if (__builtin_cpu_supports("avx512f"))
+        return "";
+#endif
+    return "-DGK_CUTS";
+}
+
 static void leave_alone(struct options *o, const char *kernel, const char *copy)
 {
     add(o, "-force-remove-attribute=_pocl_kernel_%s%s:alwaysinline", kernel, copy);

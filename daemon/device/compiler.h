@@ -11,6 +11,9 @@
 void glint_compiler_set(char folder[GLINT_COMPILER_FOLDER], const struct glint_source *table,
                         const char *platform);
 
+// What kernels are built with besides, for this processor.
+const char *glint_compiler_options(void);
+
 // That name alone: another one for another platform (name and version of PoCL and LLVM), processor
 // or set of options, none of which PoCL's own cache knows for certain.
 void glint_compiler_name(char folder[GLINT_COMPILER_FOLDER], const struct glint_source *table,

@@ -4,6 +4,7 @@
 #include "base/log.h"
 #include "device/ahead.h"
 #include "device/bitcode.h"
+#include "device/compiler.h"
 #include "device/internal.h"
 #include "device/listing.h"
 
@@ -26,7 +27,8 @@
 bool glint_program_key_of(char key[65], const glint_devices *devices, const char *source,
                           const char *options)
 {
-    const char *part[] = {source, options, COMMON_OPTIONS, devices->name, devices->version};
+    const char *part[] = {source,        options,         COMMON_OPTIONS, glint_compiler_options(),
+                          devices->name, devices->version};
     unsigned char digest[32];
     EVP_MD_CTX *hash = EVP_MD_CTX_new();
     bool ok = hash && EVP_DigestInit_ex(hash, EVP_sha256(), NULL);
@@ -55,7 +57,8 @@ static void fail_with_log(struct glint_error *err, cl_program program, cl_device
 char *glint_program_options(const char *options)
 {
     char *all = NULL;
-    return asprintf(&all, COMMON_OPTIONS " %s", options) < 0 ? NULL : all;
+    return asprintf(&all, COMMON_OPTIONS " %s %s", glint_compiler_options(), options) < 0 ? NULL
+                                                                                          : all;
 }
 
 static glint_status compile_source(glint_program *p, glint_devices *devices, const char *source,

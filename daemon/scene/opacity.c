@@ -25,7 +25,7 @@ static struct gk_resident tables(const struct glint_resident *r)
                                 .textures = {host(r, GLINT_TABLE_TEXTURES),
                                              host(r, GLINT_TABLE_POOL0), host(r, GLINT_TABLE_POOL1),
                                              host(r, GLINT_TABLE_POOL2), host(r, GLINT_TABLE_POOL3),
-                                             host(r, GLINT_TABLE_DECODE)}};
+                                             host(r, GLINT_TABLE_DECODE), gk_cut_none()}};
 }
 
 float glint_resident_opacity(const struct glint_resident *r, uint32_t row, uint32_t primitive,

@@ -132,7 +132,8 @@ GK_INLINE void probe_bsdf(gk_u32 i, GK_GLOBAL gk_u32 *out, const GK_GLOBAL gk_f3
     s.fresnel_mean = 0.0918f;
     s.thin = (gk_i32)(i >> 1 & 1u);
     s.inside = !s.thin && s.eta < 1.0f;
-    s.energy = energy;
+    s.energy.entry = energy;
+    s.energy.cut = gk_cut_none();
     s.interface = GK_ENERGY_COAT;
     probe_layers(i, &s);
     gk_surface_prepare(&s, wo);

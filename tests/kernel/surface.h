@@ -112,7 +112,7 @@ static inline struct gk_surface make_surface_at(const struct material *m, struct
     s.inside = m->leaving;
     s.fresnel_mean = tables->fresnel_mean;
     s.thin = m->thin;
-    s.energy = tables->energy;
+    s.energy = (struct gk_energy_table){tables->energy, gk_cut_none()};
     s.interface = 2 * GK_ENERGY_PART;
     add_layers(&s, layers_of(m));
     gk_surface_prepare(&s, wo);

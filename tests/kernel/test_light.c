@@ -48,8 +48,8 @@ static struct gk_environment make_environment(void)
         texel[i] = (struct gk_env_texel){.L = {1, (float)i, (float)weight[i]}};
     }
     build_alias();
-    struct gk_environment e = {texel,  cell,       WIDTH,      HEIGHT,         WIDTH,
-                               HEIGHT, cosf(0.7f), sinf(0.7f), gk_vec(1, 1, 1)};
+    struct gk_environment e = {texel,  cell,       WIDTH,      HEIGHT,          WIDTH,
+                               HEIGHT, cosf(0.7f), sinf(0.7f), gk_vec(1, 1, 1), gk_cut_none()};
     return e;
 }
 
@@ -365,7 +365,7 @@ static void alias_table_chooses_by_weight(void **state)
         struct gk_light_pair r;
         const float u = check_uniform(&seed);
         gk_light_pair_make(&r, u, check_uniform(&seed));
-        count[gk_alias_choose(table, 4, &r)]++;
+        count[gk_alias_choose(table, 4, &r, gk_cut_none())]++;
     }
     for (int k = 0; k < 4; k++)
         assert_odds(count[k] - N * probability[k], sqrt(N * probability[k] * (1 - probability[k])),
@@ -389,7 +389,7 @@ static void one_pair_takes_a_light_by_weight_and_a_uniform_point_on_it(void **st
         struct gk_light_pair r;
         const float u = check_uniform(&seed);
         gk_light_pair_make(&r, u, check_uniform(&seed));
-        const uint32_t light = gk_alias_choose(table, 5, &r);
+        const uint32_t light = gk_alias_choose(table, 5, &r, gk_cut_none());
         assert_true(light < 5 && r.v >= 0 && r.v < 1);
         count[light * PARTS + (r.u >> 29) * SIDE + (uint32_t)(r.v * SIDE)]++;
     }

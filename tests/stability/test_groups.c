@@ -51,10 +51,47 @@ static void pictures_do_not_depend_on_the_size_of_work_groups(void **state)
     glint_frame_destroy(&small);
 }
 
+// Many triangles and instances, of which a scene of three has none: rows that a path of this one would
+// read beyond the end of that one's tables.
+static struct glint_frame *crowd(void)
+{
+    return stable_frame(
+        &offline_crew,
+        stable_text("{'environment':{'radiance':[1,1,1]},'materials':{'grey':{'base_color':"
+                    "[0.5,0.5,0.5]},'lamp':{'emission':[9,9,9]}},"
+                    "'meshes':{'s':{'primitive':'sphere','segments':128}},'instances':{"
+                    "'a':{'mesh':'s','material':'grey'},'b':{'mesh':'s','material':'lamp',"
+                    "'transform':{'translation':[1,0,-2]}}},"
+                    "'cameras':{'eye':{'yfov':0.7,'transform':{'translation':[0,0,5]}}}}"),
+        stable_text("{'scene':'s','outputs':['beauty'],'resolution':[64,64],"
+                    "'stop':{'samples':16}}"));
+}
+
+// A group is filled up with copies of a path whose light goes to nobody. Every path brings
+// at most 1 where a body is white and convex: light that counted twice would be seen.
+static void what_fills_the_last_group_leaves_nothing_behind(void **state)
+{
+    (void)state;
+    struct glint_frame *before = crowd();
+    struct glint_frame *f = stable_frame(
+        &offline_crew,
+        stable_text(
+            "{'environment':{'radiance':[1,1,1]},'materials':{'white':{'base_color':[1,1,1],"
+            "'roughness':1,'specular':0}},'meshes':{'s':{'primitive':'sphere','segments':9}},"
+            "'instances':{'a':{'mesh':'s','material':'white'}},"
+            "'cameras':{'eye':{'yfov':0.7,'transform':{'translation':[0,0,5]}}}}"),
+        stable_text("{'scene':'s','outputs':['beauty'],'resolution':[37,41],"
+                    "'stop':{'samples':16}}"));
+    assert_true(stable_most(f, "R") < 1.01);
+    glint_frame_destroy(&before);
+    glint_frame_destroy(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pictures_do_not_depend_on_the_size_of_work_groups),
+        cmocka_unit_test(what_fills_the_last_group_leaves_nothing_behind),
     };
     return cmocka_run_group_tests(tests, offline_crew_start, offline_crew_finish);
 }

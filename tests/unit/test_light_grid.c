@@ -67,7 +67,7 @@ static void assert_complete(uint32_t n, const double half[3])
         const struct gk_vec p = gk_vec((float)(reach * half[0] * (2.0 * random_number() - 1.0)),
                                        (float)(reach * half[1] * (2.0 * random_number() - 1.0)),
                                        (float)(reach * half[2] * (2.0 * random_number() - 1.0)));
-        const struct gk_light_grid at = gk_light_grid_at(&g.frame, g.words, p);
+        const struct gk_light_grid at = gk_light_grid_at(&g.frame, g.words, p, gk_cut_none());
         double sum = 0.0;
         for (uint32_t i = 0; i < n; i++) {
             const float choice = gk_grid_choice(&at, i);
@@ -153,7 +153,8 @@ static void choices_are_as_frequent_as_said(void **state)
     static uint32_t count[FEW];
     make_points(FEW, room, 2.0);
     struct grid g = build(FEW, room);
-    const struct gk_light_grid at = gk_light_grid_at(&g.frame, g.words, gk_vec(1, 0.5f, -2));
+    const struct gk_light_grid at =
+        gk_light_grid_at(&g.frame, g.words, gk_vec(1, 0.5f, -2), gk_cut_none());
     for (int i = 0; i < N; i++) {
         struct gk_light_pair r;
         const float u = (float)(random_number() * 0.9999999);
