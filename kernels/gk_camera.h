@@ -91,8 +91,9 @@ GK_INLINE void gk_camera_flow(const GK_GLOBAL gk_f32 *to, struct gk_vec p, gk_f3
     const gk_f32 y = to[4] * p.x + to[5] * p.y + to[6] * p.z + to[7] * w;
     const gk_f32 z = to[8] * p.x + to[9] * p.y + to[10] * p.z + to[11] * w;
     const gk_i32 ahead = z > 0.0f;
-    *u = ahead ? x / z - px : 0.0f;
-    *v = ahead ? py - y / z : 0.0f;
+    const gk_f32 right = x / z - px, up = py - y / z;
+    *u = ahead ? right : 0.0f;
+    *v = ahead ? up : 0.0f;
 }
 #endif
 

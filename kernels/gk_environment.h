@@ -81,7 +81,8 @@ GK_INLINE struct gk_vec gk_environment_sample(const struct gk_environment *e, gk
     const gk_i32 cells = e->cell_width * e->cell_height;
     const gk_i32 slot = gk_min_i32((gk_i32)(choice * (gk_f32)cells), cells - 1);
     GK_CUT(e->cut);
-    const gk_i32 taken = keep < e->cell[slot].keep ? slot : (gk_i32)e->cell[slot].other;
+    const gk_i32 other = (gk_i32)e->cell[slot].other;
+    const gk_i32 taken = keep < e->cell[slot].keep ? slot : other;
     // Exact for fewer than 2^22 cells: the half keeps the quotient away from integers.
     const gk_i32 y = (gk_i32)(((gk_f32)taken + 0.5f) / (gk_f32)e->cell_width);
     const gk_i32 x = taken - y * e->cell_width;

@@ -68,8 +68,10 @@ GK_INLINE struct gk_coordinates gk_coordinates_at(const struct gk_resident *r, g
 #ifdef GK_UV1
     const gk_i32 has = (GK_TRIANGLE(r, triangle, flags) & GK_TRIANGLE_UV1) != 0u;
     const GK_GLOBAL gk_f32 *uv1 = r->uv1[has ? triangle : 0u].uv;
-    at.u1 = has ? w * uv1[0] + u * uv1[2] + v * uv1[4] : 0.0f;
-    at.v1 = has ? w * uv1[1] + u * uv1[3] + v * uv1[5] : 0.0f;
+    const gk_f32 u1 = w * uv1[0] + u * uv1[2] + v * uv1[4];
+    const gk_f32 v1 = w * uv1[1] + u * uv1[3] + v * uv1[5];
+    at.u1 = has ? u1 : 0.0f;
+    at.v1 = has ? v1 : 0.0f;
 #else
     at.u1 = at.v1 = 0.0f;
 #endif
@@ -113,7 +115,8 @@ GK_INLINE struct gk_turning gk_instance_turning(const struct gk_resident *r, gk_
 #endif
 #ifdef GK_MOTION
     const gk_u32 mover = GK_INSTANCE(r, row, mover);
-    const gk_u32 first = mover == GK_NONE ? GK_NONE : r->mover[mover].turn;
+    const gk_u32 turn_of_mover = r->mover[mover == GK_NONE ? 0u : mover].turn;
+    const gk_u32 first = mover == GK_NONE ? GK_NONE : turn_of_mover;
     const gk_i32 moves = first != GK_NONE;
     const GK_GLOBAL struct gk_turn *turn = r->turn + (moves ? first + raw->key : 0u);
     t.a = gk_vec_select(t.a, gk_turn_row(turn, 0u, raw->w), moves);
@@ -220,7 +223,8 @@ GK_INLINE gk_u32 gk_deforming_stride(const struct gk_resident *r, gk_u32 row)
 {
 #ifdef GK_MOTION
     const gk_u32 mover = GK_INSTANCE(r, row, mover);
-    return mover == GK_NONE ? 0u : r->mover[mover].stride;
+    const gk_u32 stride = r->mover[mover == GK_NONE ? 0u : mover].stride;
+    return mover == GK_NONE ? 0u : stride;
 #else
     (void)r;
     (void)row;

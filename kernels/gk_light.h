@@ -216,7 +216,7 @@ GK_INLINE struct gk_light_sample gk_light_from_table(const GK_GLOBAL struct gk_l
     s.distance = sun ? GK_INFINITY : d;
 
     const gk_f32 cosine = -gk_dot(s.wi, n);
-    const gk_i32 facing = cosine > 0.0f || (flags >> 4) != 0u;
+    const gk_i32 facing = (cosine > 0.0f) | ((flags >> 4) != 0u);
     const gk_f32 pdf = 2.0f * d2 / (gk_max(gk_abs(cosine), 1e-7f) * twice_area) * choice;
     const gk_f32 cone = gk_clamp((-gk_dot(s.wi, a) - b.x) * b.y, 0.0f, 1.0f);
     const gk_f32 falloff = sun ? 1.0f : cone * cone / d2;

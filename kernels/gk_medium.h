@@ -38,7 +38,8 @@ GK_INLINE gk_f32 gk_medium_transmittance(const GK_GLOBAL struct gk_frame *f, str
 {
     const struct gk_span span = gk_medium_span(f, o, d, length);
     const gk_f32 inside = span.begin < span.end ? span.end - span.begin : 0.0f;
-    return f->medium_density > 0.0f ? gk_exp(-inside * f->medium_density) : 1.0f;
+    const gk_f32 left = gk_exp(-inside * f->medium_density);
+    return f->medium_density > 0.0f ? left : 1.0f;
 }
 
 // Distance at which light that goes along the span meets the medium, +inf: it does not. u < 1.

@@ -65,7 +65,8 @@ GK_INLINE gk_u32 gk_rank_material(const struct gk_resident *r, gk_u32 rank)
 
 GK_INLINE gk_f32 gk_rank_index(const struct gk_resident *r, gk_u32 rank)
 {
-    return rank > 0u ? GK_MATERIAL(r, gk_rank_material(r, rank), ior) : 1.0f;
+    const gk_f32 ior = GK_MATERIAL(r, gk_rank_material(r, rank), ior);
+    return rank > 0u ? ior : 1.0f;
 }
 
 GK_INLINE struct gk_crossing gk_nested_cross(const struct gk_resident *r, struct gk_nested s,

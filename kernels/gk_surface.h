@@ -13,11 +13,14 @@ GK_INLINE struct gk_texel gk_vertex_colour(const struct gk_resident *r, gk_u32 t
     const gk_i32 has = (GK_TRIANGLE(r, triangle, flags) & GK_TRIANGLE_COLOURED) != 0u;
     const GK_GLOBAL gk_f32 *c = r->colour[has ? triangle : 0u].rgba;
     const gk_f32 w = 1.0f - u - v;
+    const struct gk_vec rgb = gk_vec(w * c[0] + u * c[4] + v * c[8], w * c[1] + u * c[5] + v * c[9],
+                                     w * c[2] + u * c[6] + v * c[10]);
+    const gk_f32 a = w * c[3] + u * c[7] + v * c[11];
     struct gk_texel t;
-    t.r = has ? w * c[0] + u * c[4] + v * c[8] : 1.0f;
-    t.g = has ? w * c[1] + u * c[5] + v * c[9] : 1.0f;
-    t.b = has ? w * c[2] + u * c[6] + v * c[10] : 1.0f;
-    t.a = has ? w * c[3] + u * c[7] + v * c[11] : 1.0f;
+    t.r = has ? rgb.x : 1.0f;
+    t.g = has ? rgb.y : 1.0f;
+    t.b = has ? rgb.z : 1.0f;
+    t.a = has ? a : 1.0f;
     return t;
 }
 #endif
@@ -52,8 +55,8 @@ GK_INLINE struct gk_vec gk_hit_emission(const struct gk_resident *r, const struc
         gk_texture_at(&r->textures, GK_MATERIAL(r, m, emission_texture), hit->at);
     L = gk_mul(L, gk_vec(e.r, e.g, e.b));
 #endif
-    const gk_i32 shows =
-        hit->cos_g <= 0.0f || (GK_MATERIAL(r, m, flags) & GK_MATERIAL_TWO_SIDED_EMISSION) != 0u;
+    const gk_i32 both = (GK_MATERIAL(r, m, flags) & GK_MATERIAL_TWO_SIDED_EMISSION) != 0u;
+    const gk_i32 shows = (hit->cos_g <= 0.0f) | both;
     return gk_vec_select(gk_splat(0.0f), L, shows);
 }
 

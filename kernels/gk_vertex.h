@@ -104,8 +104,10 @@ GK_INLINE void gk_vertex_solids(const GK_GLOBAL gk_f32 *wave, gk_u32 stride, gk_
     x->hit.eta = known ? crossing.eta : 0.0f;
     x->passes = known && crossing.nothing;
     x->fails = known && crossing.overflowing;
-    x->here = top > 0u ? gk_rank_material(scene, top) + 1u : x->here;
-    x->there = known ? (beyond > 0u ? gk_rank_material(scene, beyond) + 1u : x->there) : x->there;
+    const gk_u32 of_top = gk_rank_material(scene, top) + 1u;
+    const gk_u32 of_beyond = gk_rank_material(scene, beyond) + 1u;
+    x->here = top > 0u ? of_top : x->here;
+    x->there = known && beyond > 0u ? of_beyond : x->there;
 #else
     (void)wave;
     (void)stride;
@@ -239,7 +241,8 @@ GK_INLINE struct gk_vertex gk_vertex_load(const GK_GLOBAL gk_f32 *wave, gk_u32 s
     x.front = gk_along(x.p, x.hit.ng, lift);
     x.back = gk_along(x.p, x.hit.ng, -lift);
     gk_vertex_reach(frame, scene, &x);
-    x.scatters = (!x.missed || x.in_medium) && x.path.depth < frame->max_bounces;
+    const gk_i32 turns = !x.missed || x.in_medium;
+    x.scatters = turns & (x.path.depth < frame->max_bounces);
     return x;
 }
 

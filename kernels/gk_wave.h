@@ -109,6 +109,9 @@
 #define GK_COL_CUT 77 // nothing (gk_cut.h)
 #define GK_COLUMNS 78
 
+// The last place of a column: no pixel's. What goes there is read by nobody.
+#define GK_LANE_OF_NOBODY(stride) ((stride)-1u)
+
 // Bits of GK_COL_WAITS beside the slot key.
 #define GK_WAITS_DIRECT 0x80000000u  // seen directly, or by deltas alone
 #define GK_WAITS_CROSSED 0x40000000u // the path went on through x_1, else it was reflected there

@@ -25,7 +25,8 @@ GK_INLINE struct gk_vec gk_miss_radiance(const __global struct gk_frame *frame,
 #ifdef GK_ENVIRONMENT_IMAGE
     const struct gk_direction_uv at = gk_environment_uv(&lights->environment, path->d);
     const gk_f32 pdf = gk_environment_pdf(&lights->environment, at) * frame->env_choice;
-    const gk_f32 w = path->pdf < 0.0f ? 1.0f : gk_mis_weight(path->pdf, pdf);
+    const gk_f32 mis = gk_mis_weight(path->pdf, pdf);
+    const gk_f32 w = path->pdf < 0.0f ? 1.0f : mis;
     const struct gk_vec image = gk_scale(gk_environment_radiance(&lights->environment, at), w);
     return gk_vec_select(lights->environment.factor, image, frame->has_env_image != 0u);
 #elif defined(GK_ENVIRONMENT_CONSTANT)
@@ -66,14 +67,15 @@ GK_INLINE struct gk_vec gk_found_emission(const __global struct gk_frame *frame,
 #ifdef GK_EMISSION
     const gk_u32 first = GK_INSTANCE(scene, hit->instance, light);
     const gk_u32 index = first + (hit->triangle - GK_INSTANCE(scene, hit->instance, triangle));
-    const gk_i32 sampled = first != GK_NONE && frame->lights > 0u && path->pdf >= 0.0f;
+    const gk_i32 sampled = (first != GK_NONE) & (frame->lights > 0u) & (path->pdf >= 0.0f);
     const gk_u32 light = sampled ? index : 0u;
     const gk_f32 choice =
         gk_table_choice(frame, lights, path->o, light) * (1.0f - frame->env_choice);
     const gk_f32 pdf =
         gk_triangle_light_pdf(lights->light, light, gk_light_keys_at(frame, path->time), path->t,
                               gk_abs(hit->cos_g), choice);
-    const gk_f32 w = sampled ? gk_mis_weight(path->pdf, pdf) : 1.0f;
+    const gk_f32 mis = gk_mis_weight(path->pdf, pdf);
+    const gk_f32 w = sampled ? mis : 1.0f;
     return gk_scale(gk_hit_emission(scene, hit), w);
 #else
     (void)frame;
@@ -233,9 +235,11 @@ GK_INLINE void gk_pass_coverage(__global float *wave, gk_u32 stride, gk_u32 i,
 GK_INLINE gk_f32 gk_survival(const __global struct gk_frame *frame, gk_u32 depth, gk_f32 share,
                              gk_f32 carried)
 {
+    const gk_i32 all = depth >= frame->roulette_start, some = depth >= frame->roulette_little;
     const gk_f32 much = carried / (GK_LITTLE * frame->weight);
-    const gk_f32 q = depth >= frame->roulette_start ? share : gk_max(share, much);
-    return depth >= frame->roulette_little ? gk_min(q, 1.0f) : 1.0f;
+    const gk_f32 more = gk_max(share, much);
+    const gk_f32 q = gk_min(all ? share : more, 1.0f);
+    return some ? q : 1.0f;
 }
 
 // Stores the path's next ray, or none.
@@ -252,7 +256,8 @@ GK_INLINE void gk_go_on(__global float *wave, gk_u32 stride, gk_u32 i,
 
     // One roulette rule for all jobs, blind to mattes: survive with q >= min(1, mean share).
     const gk_f32 carried = gk_max3(gk_mul(x->path.beta, next.weight));
-    const gk_f32 q = x->passes ? 1.0f : gk_survival(frame, depth, strongest, carried);
+    const gk_f32 survival = gk_survival(frame, depth, strongest, carried);
+    const gk_f32 q = x->passes ? 1.0f : survival;
     const gk_i32 alive = (x->scatters || x->passes) && !x->fails && next.possible &&
                          strongest > 0.0f && u_roulette < q;
     const struct gk_vec beta =
@@ -285,14 +290,14 @@ GK_INLINE struct gk_vec gk_flow_at(const __global gk_f32 *a, gk_f32 u, gk_f32 v)
 // Where the first hit is a frame later and a frame earlier. What lies at infinity is a direction.
 GK_INLINE void gk_store_flow(__global float *wave, gk_u32 stride,
                              const __global struct gk_frame *frame, const struct gk_resident *scene,
-                             const struct gk_vertex *x)
+                             const struct gk_vertex *x, gk_u32 lane)
 {
-    const gk_u32 lane = x->path.lane;
     const __global struct gk_instance *row = scene->instance + x->hit.instance;
-    const gk_u32 first = row->mover == GK_NONE ? GK_NONE : scene->mover[row->mover].flow;
+    const gk_u32 flow_of_mover = scene->mover[row->mover == GK_NONE ? 0u : row->mover].flow;
+    const gk_u32 first = row->mover == GK_NONE ? GK_NONE : flow_of_mover;
     const gk_i32 moves = first != GK_NONE && !x->missed;
-    const __global struct gk_flow *flow =
-        scene->flow + (moves ? first + (x->hit.triangle - row->triangle) : 0u);
+    const gk_u32 of_mesh = x->hit.triangle - row->triangle;
+    const __global struct gk_flow *flow = scene->flow + (moves ? first + of_mesh : 0u);
     const struct gk_vec still = gk_vec_select(
         gk_along(x->path.o, x->path.d, x->missed ? 0.0f : x->path.t), x->path.d, x->missed);
     const struct gk_vec after =
@@ -312,14 +317,17 @@ GK_INLINE void gk_store_flow(__global float *wave, gk_u32 stride,
 #endif
 
 // The first surface behind the pixel, for mattes, alpha and AOVs; a medium hides nothing from them.
+// Vertices that are none store theirs where nobody looks: a branch here costs every lane its own, for
+// each number, and twice the compilation where lanes have no gathers (measured).
 GK_INLINE void gk_store_first_hit(__global float *wave, gk_u32 stride,
                                   const __global struct gk_frame *frame,
                                   const struct gk_resident *scene, const struct gk_vertex *x)
 {
-    const gk_u32 lane = x->path.lane;
+    const gk_i32 first = x->path.depth == 0u && !x->passes;
+    const gk_u32 lane = first ? x->path.lane : GK_LANE_OF_NOBODY(stride);
     const gk_i32 missed = x->missed;
-    const gk_u32 key = missed ? GK_MATTE_BACKGROUND : GK_INSTANCE(scene, x->hit.instance, matte);
-    GK_STORE_U32(GK_COL_KEY, lane, key);
+    const gk_u32 matte = GK_INSTANCE(scene, x->hit.instance, matte);
+    GK_STORE_U32(GK_COL_KEY, lane, missed ? GK_MATTE_BACKGROUND : matte);
 #ifdef GK_AOVS
     const struct gk_vec forward = gk_vec(frame->forward[0], frame->forward[1], frame->forward[2]);
     const struct gk_vec eye = gk_vec(frame->origin[0], frame->origin[1], frame->origin[2]);
@@ -335,7 +343,7 @@ GK_INLINE void gk_store_first_hit(__global float *wave, gk_u32 stride,
     (void)frame;
 #endif
 #ifdef GK_FLOW
-    gk_store_flow(wave, stride, frame, scene, x);
+    gk_store_flow(wave, stride, frame, scene, x, lane);
 #endif
 }
 
@@ -425,8 +433,7 @@ __kernel void shade_surface(
     const struct gk_lights lights = {light_table, alias, light_cells,
                                      gk_environment_of(frame, env_texels, env_cells, cut), cut};
     const struct gk_vertex x = gk_vertex_load(wave, stride, i, frame, rect, &scene);
-    if (x.path.depth == 0u && !x.passes)
-        gk_store_first_hit(wave, stride, frame, &scene, &x);
+    gk_store_first_hit(wave, stride, frame, &scene, &x);
     gk_add_found(wave, stride, frame, &scene, &lights, &x);
     gk_sample_light(wave, stride, i, frame, &scene, &lights, &x);
     gk_go_on(wave, stride, i, frame, &scene, &x);

@@ -128,7 +128,7 @@ static void fetch_records(const struct glint_run *r, uint32_t n)
     }
 }
 
-#define LANE_OF_NOBODY GLINT_WAVE_LANES
+#define LANE_OF_NOBODY GK_LANE_OF_NOBODY(STRIDE)
 
 // Kernels over paths run whole groups, because to ask each item whether it is a path costs half of their
 // time (masked loads). Behind the last path stand copies of the first: what they read there is to be

@@ -158,6 +158,8 @@ static void serve(struct client *client, unsigned count, int poll, bool until_re
 {
     struct epoll_event event[MOST_EVENTS];
     while (!until_ready || seen.begun < count) {
+        if (until_ready && seen.ended)
+            fail("a client was cut off before its first bytes");
         const int n = epoll_wait(poll, event, MOST_EVENTS, -1);
         for (int i = 0; i < n; i++) {
             if (event[i].data.u32 == count)
