@@ -46,10 +46,11 @@ GK_INLINE struct gk_energy_place gk_energy_find(gk_f32 x)
     return p;
 }
 
-// Between entry `at` of the table and the next.
-GK_INLINE gk_f32 gk_energy_row(const struct gk_energy_table *table, gk_i32 at, gk_f32 weight)
+// Between entry `at` and the next.
+GK_INLINE gk_f32 gk_energy_row(const GK_GLOBAL gk_f32 *entry, gk_i32 at, gk_f32 weight)
 {
-    const gk_f32 a = table->entry[at], b = table->entry[at + 1];
+    const struct gk_two two = gk_two_at(entry, at);
+    const gk_f32 a = gk_as_f32(two.first), b = gk_as_f32(two.second);
     return a + (b - a) * weight;
 }
 
@@ -59,9 +60,9 @@ GK_INLINE gk_f32 gk_energy_albedo(const struct gk_energy_table *table, gk_i32 pa
 {
     const struct gk_energy_place x = gk_energy_find(cosine), y = gk_energy_find(alpha);
     const gk_i32 at = part + y.lower * GK_ENERGY_SIDE + x.lower;
-    GK_CUT(table->cut);
-    const gk_f32 a = gk_energy_row(table, at, x.weight);
-    const gk_f32 b = gk_energy_row(table, at + GK_ENERGY_SIDE, x.weight);
+    GK_CUT(table->cut, (gk_u32)at);
+    const gk_f32 a = gk_energy_row(table->entry, at, x.weight);
+    const gk_f32 b = gk_energy_row(table->entry + GK_ENERGY_SIDE, at, x.weight);
     return a + (b - a) * y.weight;
 }
 
@@ -69,8 +70,8 @@ GK_INLINE gk_f32 gk_energy_mean(const struct gk_energy_table *table, gk_i32 part
 {
     const struct gk_energy_place y = gk_energy_find(alpha);
     const gk_i32 at = part + GK_ENERGY_SIDE * GK_ENERGY_SIDE + y.lower;
-    GK_CUT(table->cut);
-    return gk_energy_row(table, at, y.weight);
+    GK_CUT(table->cut, (gk_u32)at);
+    return gk_energy_row(table->entry, at, y.weight);
 }
 
 #endif

@@ -37,11 +37,8 @@ GK_INLINE struct gk_direction_uv gk_environment_uv(const struct gk_environment *
     return r;
 }
 
-GK_INLINE struct gk_vec gk_environment_texel(const struct gk_environment *e, gk_i32 x, gk_i32 y)
-{
-    const GK_GLOBAL struct gk_env_texel *t = e->texel + (y * e->width + x);
-    return gk_vec(t->L[0], t->L[1], t->L[2]);
-}
+#define GK_ENV_TEXEL(e, index, member) GK_READ((e)->texel, gk_env_texel, index, member)
+#define GK_ENV_CELL(e, index, member) GK_READ((e)->cell, gk_env_cell, index, member)
 
 GK_INLINE struct gk_vec gk_environment_radiance(const struct gk_environment *e,
                                                 struct gk_direction_uv at)
@@ -56,12 +53,16 @@ GK_INLINE struct gk_vec gk_environment_radiance(const struct gk_environment *e,
     y0 = gk_max_i32(y0, 0);
     y1 = gk_min_i32(y1, e->height - 1);
     y0 = gk_min_i32(y0, e->height - 1);
-    GK_CUT(e->cut);
+    const gk_i32 i00 = y0 * e->width + x0, i10 = y0 * e->width + x1;
+    const gk_i32 i01 = y1 * e->width + x0, i11 = y1 * e->width + x1;
+    GK_CUT(e->cut, (gk_u32)(i00 ^ i10 ^ i01 ^ i11));
+    const struct gk_vec t00 = GK_TRIPLE(GK_ENV_TEXEL, e, i00, L, 0);
+    const struct gk_vec t10 = GK_TRIPLE(GK_ENV_TEXEL, e, i10, L, 0);
+    const struct gk_vec t01 = GK_TRIPLE(GK_ENV_TEXEL, e, i01, L, 0);
+    const struct gk_vec t11 = GK_TRIPLE(GK_ENV_TEXEL, e, i11, L, 0);
     const gk_f32 wx = x - fx, wy = y - fy;
-    const struct gk_vec top = gk_along(gk_scale(gk_environment_texel(e, x0, y0), 1.0f - wx),
-                                       gk_environment_texel(e, x1, y0), wx);
-    const struct gk_vec bottom = gk_along(gk_scale(gk_environment_texel(e, x0, y1), 1.0f - wx),
-                                          gk_environment_texel(e, x1, y1), wx);
+    const struct gk_vec top = gk_along(gk_scale(t00, 1.0f - wx), t10, wx);
+    const struct gk_vec bottom = gk_along(gk_scale(t01, 1.0f - wx), t11, wx);
     return gk_mul(e->factor, gk_along(gk_scale(top, 1.0f - wy), bottom, wy));
 }
 
@@ -70,8 +71,9 @@ GK_INLINE gk_f32 gk_environment_pdf(const struct gk_environment *e, struct gk_di
 {
     const gk_i32 x = gk_min_i32((gk_i32)(at.u * (gk_f32)e->cell_width), e->cell_width - 1);
     const gk_i32 y = gk_min_i32((gk_i32)(at.v * (gk_f32)e->cell_height), e->cell_height - 1);
-    GK_CUT(e->cut);
-    return e->cell[y * e->cell_width + x].pdf / (2.0f * GK_PI * GK_PI * at.sine);
+    const gk_i32 cell = y * e->cell_width + x;
+    GK_CUT(e->cut, (gk_u32)cell);
+    return GK_ENV_CELL(e, cell, pdf) / (2.0f * GK_PI * GK_PI * at.sine);
 }
 
 // A direction with that pdf: (choice, keep) takes the cell, (u, v) the place in it.
@@ -80,9 +82,9 @@ GK_INLINE struct gk_vec gk_environment_sample(const struct gk_environment *e, gk
 {
     const gk_i32 cells = e->cell_width * e->cell_height;
     const gk_i32 slot = gk_min_i32((gk_i32)(choice * (gk_f32)cells), cells - 1);
-    GK_CUT(e->cut);
-    const gk_i32 other = (gk_i32)e->cell[slot].other;
-    const gk_i32 taken = keep < e->cell[slot].keep ? slot : other;
+    GK_CUT(e->cut, (gk_u32)slot);
+    const gk_i32 other = (gk_i32)GK_ENV_CELL(e, slot, other);
+    const gk_i32 taken = keep < GK_ENV_CELL(e, slot, keep) ? slot : other;
     // Exact for fewer than 2^22 cells: the half keeps the quotient away from integers.
     const gk_i32 y = (gk_i32)(((gk_f32)taken + 0.5f) / (gk_f32)e->cell_width);
     const gk_i32 x = taken - y * e->cell_width;

@@ -199,7 +199,7 @@ GK_INLINE struct gk_vec gk_mapped_normal(const struct gk_resident *r, const stru
     const struct gk_vec tangent =
         gk_normalise(gk_along(map->tangent, hit->ns, -gk_dot(map->tangent, hit->ns)));
     const struct gk_vec bitangent = gk_scale(gk_cross(hit->ns, tangent), map->side);
-    const struct gk_texel n = gk_texture_at(&r->textures, texture, hit->at);
+    const struct gk_texel n = gk_texture_at(&r->textures, texture, GK_TEXELS_NUMBERS, hit->at);
     const struct gk_vec inner = gk_vec((n.r * 2.0f - 1.0f) * scale, (n.g * 2.0f - 1.0f) * scale,
                                        gk_max(n.b * 2.0f - 1.0f, 0.0f));
     const struct gk_vec mapped = gk_normalise(
@@ -262,6 +262,7 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
     struct gk_hit hit;
     hit.instance = raw.instance != GK_NONE ? raw.instance : raw.geometry;
     const gk_u32 row = hit.instance;
+    GK_CUT(r->textures.cut, row);
     hit.triangle = GK_INSTANCE(r, row, triangle) + raw.primitive;
     hit.material = GK_INSTANCE(r, row, material);
     hit.eta = 0.0f;
@@ -304,7 +305,8 @@ GK_INLINE struct gk_hit gk_hit_decode(const struct gk_resident *r, struct gk_raw
 GK_INLINE gk_f32 gk_hit_curvature(const struct gk_resident *r, const struct gk_hit *hit)
 {
     const gk_f32 of_mesh = gk_as_f32(GK_TRIANGLE(r, hit->triangle, flags) & GK_TRIANGLE_CURVATURE);
-    const gk_f32 curvature = of_mesh * GK_INSTANCE(r, hit->instance, shrink);
+    const gk_f32 curvature =
+        of_mesh * GK_READ_ALONE(r->instance, gk_instance, hit->instance, shrink);
     return hit->cos_g > 0.0f ? -curvature : curvature;
 }
 

@@ -47,7 +47,7 @@ GK_INLINE gk_f32 gk_light_choice(const GK_GLOBAL struct gk_light *lights, gk_u32
     return 1.0f / (gk_f32)(gk_i32)count;
 #else
     (void)count;
-    return GK_LIGHT(lights, index, choice);
+    return GK_READ_ALONE(lights, gk_light, index, choice);
 #endif
 }
 
@@ -159,14 +159,16 @@ GK_INLINE gk_u32 gk_alias_choose(const GK_GLOBAL struct gk_alias *table, gk_u32 
                                  struct gk_light_pair *r, struct gk_cut cut)
 {
     const gk_u32 i = gk_light_pair_slot(r, n);
-    GK_CUT(cut);
+    GK_CUT(cut, i);
 #ifdef GK_LIGHTS_UNIFORM
     (void)table;
     return i;
 #else
     const gk_f32 keep = GK_READ(table, gk_alias, i, keep);
     const gk_u32 other = GK_READ(table, gk_alias, i, other);
-    return gk_light_pair_below(r, keep) ? i : other;
+    const gk_u32 chosen = gk_light_pair_below(r, keep) ? i : other;
+    GK_CUT(cut, chosen);
+    return chosen;
 #endif
 }
 

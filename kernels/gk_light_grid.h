@@ -76,22 +76,29 @@ GK_INLINE struct gk_light_grid gk_light_grid_at(const GK_GLOBAL struct gk_frame 
     g.first_member = f->grid_members;
     g.first_owner = f->grid_owners;
     g.cut = cut;
-    GK_CUT(cut);
+    GK_CUT(cut, g.cell);
     return g;
 }
 
-// Signed, as GK_READ() has it.
-GK_INLINE gk_u32 gk_grid_word(const struct gk_light_grid *g, gk_u32 index)
+// Word `index` from `first` on, signed as GK_READ() has it.
+GK_INLINE gk_u32 gk_grid_word(const struct gk_light_grid *g, gk_u32 first, gk_u32 index)
 {
-    return g->word[(gk_i32)index];
+    return (g->word + first)[(gk_i32)index];
+}
+
+// It, and the next one.
+GK_INLINE struct gk_two gk_grid_two(const struct gk_light_grid *g, gk_u32 first, gk_u32 index)
+{
+    return gk_two_at(g->word + first, (gk_i32)index);
 }
 
 // Probability with which a light of the table is chosen; 0 without a grid.
 GK_INLINE gk_f32 gk_grid_choice(const struct gk_light_grid *g, gk_u32 light)
 {
-    const gk_u32 owner = g->first_owner + (g->clusters > 0u ? light : 0u) * GK_GRID_OWNER;
-    const gk_u32 entry = g->cell + gk_grid_word(g, owner) * GK_GRID_ENTRY;
-    return gk_as_f32(gk_grid_word(g, entry + 1u)) * gk_as_f32(gk_grid_word(g, owner + 1u));
+    const struct gk_two owner =
+        gk_grid_two(g, g->first_owner, (g->clusters > 0u ? light : 0u) * GK_GRID_OWNER);
+    const gk_u32 pdf = gk_grid_word(g, 1u, g->cell + owner.first * GK_GRID_ENTRY);
+    return gk_as_f32(pdf) * gk_as_f32(owner.second);
 }
 
 // Takes the cluster and the light in it; what is left of the pair is for the point.
@@ -99,22 +106,25 @@ GK_INLINE struct gk_light_pick gk_grid_choose(const struct gk_light_grid *g,
                                               struct gk_light_pair *r)
 {
     const gk_u32 slot = gk_light_pair_slot(r, g->clusters);
-    GK_CUT(g->cut);
-    const gk_u32 entry = gk_grid_word(g, g->cell + slot * GK_GRID_ENTRY);
-    const gk_f32 share = (gk_f32)(gk_i32)(entry >> 16) * (1.0f / GK_GRID_KEEP);
-    const gk_u32 cluster = gk_light_pair_below(r, share) ? slot : entry & 0xffffu;
-    GK_CUT(g->cut);
-    const gk_u32 record = g->first_cluster + cluster * GK_GRID_CLUSTER;
-    const gk_u32 place =
-        gk_grid_word(g, record) + gk_light_pair_slot(r, gk_grid_word(g, record + 1u));
-    GK_CUT(g->cut);
-    const gk_u32 member = g->first_member + place * GK_GRID_MEMBER;
-    const gk_f32 keep = gk_as_f32(gk_grid_word(g, member));
+    const gk_u32 at = g->cell + slot * GK_GRID_ENTRY;
+    GK_CUT(g->cut, at);
+    const gk_u32 entry = gk_grid_word(g, 0u, at);
+    const gk_f32 keep = (gk_f32)(gk_i32)(entry >> 16) * (1.0f / GK_GRID_KEEP);
+    const gk_u32 cluster = gk_light_pair_below(r, keep) ? slot : entry & 0xffffu;
+    const gk_u32 record = cluster * GK_GRID_CLUSTER;
+    GK_CUT(g->cut, record);
+    const struct gk_two members = gk_grid_two(g, g->first_cluster, record);
+    const gk_u32 place = members.first + gk_light_pair_slot(r, members.second);
+    const gk_u32 member = place * GK_GRID_MEMBER;
+    GK_CUT(g->cut, member);
+    const struct gk_two two = gk_grid_two(g, g->first_member, member);
+    const gk_u32 other = gk_grid_word(g, g->first_member + 2u, member);
     struct gk_light_pick p;
-    p.light = gk_grid_word(g, member + (gk_light_pair_below(r, keep) ? 1u : 2u));
-    const gk_u32 owner = g->first_owner + p.light * GK_GRID_OWNER; // of the same cluster
-    p.choice = gk_as_f32(gk_grid_word(g, g->cell + cluster * GK_GRID_ENTRY + 1u)) *
-               gk_as_f32(gk_grid_word(g, owner + 1u));
+    p.light = gk_light_pair_below(r, gk_as_f32(two.first)) ? two.second : other;
+    GK_CUT(g->cut, p.light);
+    const gk_u32 pdf = gk_grid_word(g, 1u, g->cell + cluster * GK_GRID_ENTRY);
+    const gk_u32 share = gk_grid_word(g, g->first_owner + 1u, p.light * GK_GRID_OWNER);
+    p.choice = gk_as_f32(pdf) * gk_as_f32(share); // the light belongs to the same cluster
     return p;
 }
 

@@ -56,7 +56,7 @@ GK_INLINE gk_f32 gk_passing_variance(const struct gk_vertex *x, const struct gk_
 GK_INLINE gk_u32 gk_passing_key(const struct gk_resident *scene, const struct gk_vertex *x,
                                 const struct gk_next *next, gk_i32 alive)
 {
-    const gk_u32 of_instance = GK_INSTANCE(scene, x->hit.instance, matte);
+    const gk_u32 of_instance = GK_READ_ALONE(scene->instance, gk_instance, x->hit.instance, matte);
     const gk_u32 matte = x->missed ? GK_MATTE_BACKGROUND : of_instance;
     return matte | (x->missed ? GK_PASSING_MISSED : 0u) | (x->passes ? GK_PASSING_STRAIGHT : 0u) |
            (x->in_medium ? GK_PASSING_MEDIUM : 0u) | (next->crosses ? GK_PASSING_CROSSES : 0u) |

@@ -90,6 +90,7 @@ GK_LAYOUT(gk_flow, 80);
 #define GK_MATERIAL_SPECULAR 32u // specular or specular_color differ from 1, or have a texture
 #define GK_MATERIAL_COATED 64u
 
+// Members that a path reads together are neighbours, as in gk_light and gk_texture: see GK_READ().
 struct gk_material {
     gk_f32 base[3];
     gk_f32 metallic;
@@ -98,20 +99,22 @@ struct gk_material {
     gk_f32 ior;         // >= 1
     gk_f32 transmission;
     gk_f32 fresnel_mean; // hemispherical mean of the dielectric Fresnel reflectance from outside
-    gk_f32 normal_scale;
-    gk_f32 opacity, cutoff; // a hole where opacity x texture alpha < cutoff; cutoff 0: none
-    gk_u32 base_texture, rough_texture, normal_texture, emission_texture; // GK_NONE: none
+    gk_u32 energy;       // first entry of its interface in the table of gk_energy.h
+    gk_u32 base_texture; // GK_NONE: none, as of all textures
     gk_u32 flags;
-    gk_u32 interior;       // rank among the nested dielectrics by (priority, index), 1.., 0: none
-    gk_f32 attenuation[3]; // absorption in the solid, 1/m
+    gk_u32 normal_texture;
+    gk_f32 normal_scale;
+    gk_u32 rough_texture, emission_texture;
+    gk_f32 opacity, cutoff; // a hole where opacity x texture alpha < cutoff; cutoff 0: none
+    gk_u32 interior;        // rank among the nested dielectrics by (priority, index), 1.., 0: none
+    gk_u32 ranked;          // not of this material: the one whose rank is this record's index + 1
+    gk_f32 attenuation[3];  // absorption in the solid, 1/m
     gk_f32 collimation;
     gk_f32 specular;
     gk_f32 specular_color[3];
     gk_f32 coat, coat_roughness, coat_normal_scale;
     gk_u32 specular_texture, specular_color_texture, transmission_texture;
     gk_u32 coat_texture, coat_rough_texture, coat_normal_texture;
-    gk_u32 ranked; // not of this material: the one whose rank is this record's index + 1
-    gk_u32 energy; // first entry of its interface in the table of gk_energy.h
     gk_u32 unused[9];
 };
 GK_LAYOUT(gk_material, 192);
@@ -119,20 +122,18 @@ GK_LAYOUT(gk_material, 192);
 #define GK_WRAP_REPEAT 0u
 #define GK_WRAP_CLAMP 1u
 #define GK_WRAP_MIRROR 2u
-#define GK_TEXTURE_SRGB 16u         // flags: wrap_u | wrap_v << 2 | these
-#define GK_TEXTURE_NEAREST 32u      // no interpolation
-#define GK_TEXTURE_UV1 64u          // reads the second coordinates
-#define GK_TEXTURE_TRANSFORMED 128u // `transform` is not the identity
+#define GK_TEXTURE_NEAREST 16u     // flags: wrap_u | wrap_v << 2 | these; no interpolation
+#define GK_TEXTURE_UV1 32u         // reads the second coordinates
+#define GK_TEXTURE_TRANSFORMED 64u // `transform` is not the identity
 
 // 8-bit RGBA texels in tiles of 8x8, row-major inside a tile and over tiles.
 struct gk_texture {
-    gk_u32 offset; // of the first texel in its pool
-    gk_u32 pool;   // 0..3
     gk_u32 width, height;
-    gk_u32 tiles; // per row
+    gk_u32 offset; // of the first texel in its pool
     gk_u32 flags;
+    gk_u32 pool;  // 0..3
     gk_u32 image; // of the scene, to find a record again
-    gk_u32 unused[3];
+    gk_u32 unused[4];
     gk_f32 transform[6]; // row-major 2x3, of (u, v, 1)
 };
 GK_LAYOUT(gk_texture, 64);
@@ -145,12 +146,12 @@ GK_LAYOUT(gk_texture, 64);
 #define GK_LIGHT_TURNED 8u // of a mirrored triangle: a goes to its third vertex, b to its second
 
 struct gk_light {
-    gk_f32 p[3]; // triangle: first vertex; point: position; sun: direction towards it
     gk_f32 a[3]; // triangle: edge to the second vertex; spot: axis
     gk_f32
         b[3]; // triangle: edge to the third; spot: cos of the outer cone, 1/(cos in - cos out), -
-    gk_f32 L[3];     // triangle: radiance before texture; point: W/sr; sun: W/m^2
+    gk_f32 p[3];     // triangle: first vertex; point: position; sun: direction towards it
     gk_u32 kind;     // GK_LIGHT_* | GK_LIGHT_TURNED | two-sided << 4
+    gk_f32 L[3];     // triangle: radiance before texture; point: W/sr; sun: W/m^2
     gk_u32 triangle; // record, GK_NONE for other kinds
     gk_u32 material; // of a triangle whose emission is textured, else GK_NONE
     gk_f32 choice;   // probability that the alias table chooses it

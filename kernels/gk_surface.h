@@ -32,7 +32,7 @@ GK_INLINE gk_f32 gk_surface_opacity(const struct gk_resident *r, gk_u32 material
 {
     gk_f32 opacity = GK_MATERIAL(r, material, opacity);
 #ifdef GK_TEXTURES
-    opacity *= gk_texture_at(&r->textures, GK_MATERIAL(r, material, base_texture),
+    opacity *= gk_texture_at(&r->textures, GK_MATERIAL(r, material, base_texture), GK_TEXELS_COLOUR,
                              gk_coordinates_at(r, triangle, u, v))
                    .a;
 #endif
@@ -52,7 +52,7 @@ GK_INLINE struct gk_vec gk_hit_emission(const struct gk_resident *r, const struc
     struct gk_vec L = GK_TRIPLE(GK_MATERIAL, r, m, emission, 0);
 #if defined(GK_TEXTURES) && defined(GK_EMISSION_TEXTURES)
     const struct gk_texel e =
-        gk_texture_at(&r->textures, GK_MATERIAL(r, m, emission_texture), hit->at);
+        gk_texture_at(&r->textures, GK_MATERIAL(r, m, emission_texture), GK_TEXELS_COLOUR, hit->at);
     L = gk_mul(L, gk_vec(e.r, e.g, e.b));
 #endif
     const gk_i32 both = (GK_MATERIAL(r, m, flags) & GK_MATERIAL_TWO_SIDED_EMISSION) != 0u;
@@ -68,9 +68,11 @@ GK_INLINE void gk_surface_specular(const struct gk_resident *r, const struct gk_
     s->specular = GK_MATERIAL(r, m, specular);
     s->specular_color = GK_TRIPLE(GK_MATERIAL, r, m, specular_color, 0);
 #if defined(GK_TEXTURES) && defined(GK_LAYER_TEXTURES)
-    s->specular *= gk_texture_at(&r->textures, GK_MATERIAL(r, m, specular_texture), hit->at).a;
-    const struct gk_texel t =
-        gk_texture_at(&r->textures, GK_MATERIAL(r, m, specular_color_texture), hit->at);
+    s->specular *=
+        gk_texture_at(&r->textures, GK_MATERIAL(r, m, specular_texture), GK_TEXELS_NUMBERS, hit->at)
+            .a;
+    const struct gk_texel t = gk_texture_at(&r->textures, GK_MATERIAL(r, m, specular_color_texture),
+                                            GK_TEXELS_COLOUR, hit->at);
     s->specular_color = gk_mul(s->specular_color, gk_vec(t.r, t.g, t.b));
 #endif
 }
@@ -84,8 +86,11 @@ GK_INLINE void gk_surface_coat(const struct gk_resident *r, const struct gk_hit 
     gk_f32 roughness = GK_MATERIAL(r, m, coat_roughness);
     s->coat.weight = GK_MATERIAL(r, m, coat);
 #if defined(GK_TEXTURES) && defined(GK_LAYER_TEXTURES)
-    s->coat.weight *= gk_texture_at(&r->textures, GK_MATERIAL(r, m, coat_texture), hit->at).r;
-    roughness *= gk_texture_at(&r->textures, GK_MATERIAL(r, m, coat_rough_texture), hit->at).g;
+    s->coat.weight *=
+        gk_texture_at(&r->textures, GK_MATERIAL(r, m, coat_texture), GK_TEXELS_NUMBERS, hit->at).r;
+    roughness *= gk_texture_at(&r->textures, GK_MATERIAL(r, m, coat_rough_texture),
+                               GK_TEXELS_NUMBERS, hit->at)
+                     .g;
 #endif
     s->coat.alpha = roughness * roughness;
     s->coat.frame = gk_onb_make(gk_normalise(gk_to_local(onb, hit->nc)));
@@ -105,12 +110,12 @@ GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const st
     gk_f32 roughness = GK_MATERIAL(r, m, roughness);
 #ifdef GK_TEXTURES
     const struct gk_texel base =
-        gk_texture_at(&r->textures, GK_MATERIAL(r, m, base_texture), hit->at);
+        gk_texture_at(&r->textures, GK_MATERIAL(r, m, base_texture), GK_TEXELS_COLOUR, hit->at);
     s.base = gk_mul(s.base, gk_vec(base.r, base.g, base.b));
 #endif
 #if defined(GK_TEXTURES) && defined(GK_ROUGHNESS_TEXTURES)
     const struct gk_texel rough =
-        gk_texture_at(&r->textures, GK_MATERIAL(r, m, rough_texture), hit->at);
+        gk_texture_at(&r->textures, GK_MATERIAL(r, m, rough_texture), GK_TEXELS_NUMBERS, hit->at);
     s.metallic *= rough.b;
     roughness *= rough.g;
 #endif
@@ -123,8 +128,9 @@ GK_INLINE struct gk_surface gk_hit_surface(const struct gk_resident *r, const st
 #ifdef GK_TRANSMISSION
     s.transmission = GK_MATERIAL(r, m, transmission);
 #if defined(GK_TEXTURES) && defined(GK_LAYER_TEXTURES)
-    s.transmission *=
-        gk_texture_at(&r->textures, GK_MATERIAL(r, m, transmission_texture), hit->at).r;
+    s.transmission *= gk_texture_at(&r->textures, GK_MATERIAL(r, m, transmission_texture),
+                                    GK_TEXELS_NUMBERS, hit->at)
+                          .r;
 #endif
 #ifdef GK_COLLIMATION
     s.collimation = GK_MATERIAL(r, m, collimation);

@@ -6,7 +6,7 @@
 #include "kernels/gk_math.h"
 #include "kernels/gk_scene.h"
 
-// Everything a look-up reads. decode: 256 sRGB values, then k/255.
+// Everything a look-up reads. decode: what the 256 sRGB values mean.
 struct gk_texture_pools {
     const GK_GLOBAL struct gk_texture *texture;
     const GK_GLOBAL gk_u32 *pool0;
@@ -18,6 +18,12 @@ struct gk_texture_pools {
 };
 
 #define GK_TEXTURE(pools, index, member) GK_READ((pools)->texture, gk_texture, index, member)
+
+// What r, g and b of an image are, by what a material uses it for; alpha is always a number.
+enum gk_texels {
+    GK_TEXELS_COLOUR, // sRGB
+    GK_TEXELS_NUMBERS // k/255
+};
 
 struct gk_texel {
     gk_f32 r, g, b, a;
@@ -75,20 +81,26 @@ GK_INLINE gk_u32 gk_texel_bits(const struct gk_texture_pools *p, gk_u32 pool, gk
 #endif
 }
 
-// offset, tiles: of the texture's record.
-GK_INLINE gk_u32 gk_texel_index(gk_u32 offset, gk_u32 tiles, gk_i32 x, gk_i32 y)
+// offset, width: of the texture's record.
+GK_INLINE gk_u32 gk_texel_index(gk_u32 offset, gk_u32 width, gk_i32 x, gk_i32 y)
 {
-    const gk_u32 tile = ((gk_u32)y >> 3) * tiles + ((gk_u32)x >> 3);
+    const gk_u32 tile = ((gk_u32)y >> 3) * ((width + 7u) >> 3) + ((gk_u32)x >> 3);
     return offset + (tile << 6) + (((gk_u32)y & 7u) << 3) + ((gk_u32)x & 7u);
 }
 
+// One of r, g, b. What holds numbers is divided: that is exact, and quicker than to look it up.
+GK_INLINE gk_f32 gk_texel_value(const struct gk_texture_pools *p, gk_u32 byte, enum gk_texels kind)
+{
+    return kind == GK_TEXELS_COLOUR ? p->decode[(gk_i32)byte] : (gk_f32)(gk_i32)byte / 255.0f;
+}
+
 GK_INLINE struct gk_texel gk_texel_decode(const struct gk_texture_pools *p, gk_u32 bits,
-                                          gk_u32 linear)
+                                          enum gk_texels kind)
 {
     struct gk_texel t;
-    t.r = p->decode[(gk_i32)((bits & 255u) + linear)];
-    t.g = p->decode[(gk_i32)(((bits >> 8) & 255u) + linear)];
-    t.b = p->decode[(gk_i32)(((bits >> 16) & 255u) + linear)];
+    t.r = gk_texel_value(p, bits & 255u, kind);
+    t.g = gk_texel_value(p, (bits >> 8) & 255u, kind);
+    t.b = gk_texel_value(p, (bits >> 16) & 255u, kind);
     t.a = (gk_f32)(gk_i32)(bits >> 24) * (1.0f / 255.0f);
     return t;
 }
@@ -105,37 +117,36 @@ GK_INLINE struct gk_texel gk_texel_mix(struct gk_texel a, struct gk_texel b, gk_
 
 // Texture `index` at (u, v), v downwards; white where index is GK_NONE. Interpolates in linear
 // light, as glTF 2.0 3.9.2 asks for.
-GK_INLINE struct gk_texel gk_texture_fetch(const struct gk_texture_pools *p, gk_u32 index, gk_f32 u,
-                                           gk_f32 v)
+GK_INLINE struct gk_texel gk_texture_fetch(const struct gk_texture_pools *p, gk_u32 index,
+                                           enum gk_texels kind, gk_f32 u, gk_f32 v)
 {
     const gk_i32 none = index == GK_NONE;
     const gk_u32 record = none ? 0u : index;
     u = none ? 0.0f : u; // paths without a texture read one place, not all over the first
     v = none ? 0.0f : v;
     const gk_u32 flags = GK_TEXTURE(p, record, flags);
-    const gk_u32 pool = GK_TEXTURE(p, record, pool);
+    const gk_u32 pool = GK_READ_ALONE(p->texture, gk_texture, record, pool);
     const gk_u32 offset = GK_TEXTURE(p, record, offset);
-    const gk_u32 tiles = GK_TEXTURE(p, record, tiles);
+    const gk_u32 width = GK_TEXTURE(p, record, width);
 #ifdef GK_NEAREST_TEXELS
     const gk_i32 nearest = (flags & GK_TEXTURE_NEAREST) != 0u;
 #else
     const gk_i32 nearest = 0;
 #endif
-    const struct gk_taps x = gk_wrap_taps(u, GK_TEXTURE(p, record, width), flags & 3u, nearest);
+    const struct gk_taps x = gk_wrap_taps(u, width, flags & 3u, nearest);
     const struct gk_taps y =
         gk_wrap_taps(v, GK_TEXTURE(p, record, height), (flags >> 2) & 3u, nearest);
-    const gk_u32 linear = (flags & GK_TEXTURE_SRGB) ? 0u : 256u;
-    const gk_u32 i00 = gk_texel_index(offset, tiles, x.lower, y.lower);
-    const gk_u32 i10 = gk_texel_index(offset, tiles, x.upper, y.lower);
-    const gk_u32 i01 = gk_texel_index(offset, tiles, x.lower, y.upper);
-    const gk_u32 i11 = gk_texel_index(offset, tiles, x.upper, y.upper);
-    GK_CUT(p->cut);
+    const gk_u32 i00 = gk_texel_index(offset, width, x.lower, y.lower);
+    const gk_u32 i10 = gk_texel_index(offset, width, x.upper, y.lower);
+    const gk_u32 i01 = gk_texel_index(offset, width, x.lower, y.upper);
+    const gk_u32 i11 = gk_texel_index(offset, width, x.upper, y.upper);
+    GK_CUT(p->cut, i00 ^ i10 ^ i01 ^ i11);
     const gk_u32 b00 = gk_texel_bits(p, pool, i00), b10 = gk_texel_bits(p, pool, i10);
     const gk_u32 b01 = gk_texel_bits(p, pool, i01), b11 = gk_texel_bits(p, pool, i11);
     const struct gk_texel top =
-        gk_texel_mix(gk_texel_decode(p, b00, linear), gk_texel_decode(p, b10, linear), x.weight);
+        gk_texel_mix(gk_texel_decode(p, b00, kind), gk_texel_decode(p, b10, kind), x.weight);
     const struct gk_texel bottom =
-        gk_texel_mix(gk_texel_decode(p, b01, linear), gk_texel_decode(p, b11, linear), x.weight);
+        gk_texel_mix(gk_texel_decode(p, b01, kind), gk_texel_decode(p, b11, kind), x.weight);
     struct gk_texel r = gk_texel_mix(top, bottom, y.weight);
     r.r = none ? 1.0f : r.r;
     r.g = none ? 1.0f : r.g;
@@ -147,7 +158,7 @@ GK_INLINE struct gk_texel gk_texture_fetch(const struct gk_texture_pools *p, gk_
 // Texture `index` at a point of a mesh: the record says which coordinates it reads and how it
 // transforms them (KHR_texture_transform).
 GK_INLINE struct gk_texel gk_texture_at(const struct gk_texture_pools *p, gk_u32 index,
-                                        struct gk_coordinates at)
+                                        enum gk_texels kind, struct gk_coordinates at)
 {
     gk_f32 u = at.u, v = at.v;
 #if defined(GK_UV1) || defined(GK_TEXTURE_TRANSFORMS)
@@ -170,7 +181,7 @@ GK_INLINE struct gk_texel gk_texture_at(const struct gk_texture_pools *p, gk_u32
     u = moved ? moved_u : u;
     v = moved ? moved_v : v;
 #endif
-    return gk_texture_fetch(p, index, u, v);
+    return gk_texture_fetch(p, index, kind, u, v);
 }
 
 #endif

@@ -44,10 +44,49 @@ typedef uint64_t gk_u64;
 // Member of record `index` in a table of struct `tag`, four bytes, read by a signed offset of 32 bits
 // from the table's own address: so 16 lanes are one gather. By addresses they are two, and their
 // arithmetic. A table has less than 2^31 words.
-#define GK_READ(table, tag, index, member)                                \
+#define GK_READ_ALONE(table, tag, index, member)                          \
     (((const GK_GLOBAL __typeof__(+((struct tag *)0)->member) *)(table) + \
       __builtin_offsetof(struct tag, member) /                            \
           4)[(gk_i32)((gk_u32)(index) * (gk_u32)(sizeof(struct tag) / 4))])
+
+// The same of a member that is read together with its neighbour, the other word of the eight bytes that
+// it lies in. A gather costs by the lane, not by its width: one reads both. Where lanes are read one by
+// one that brings nothing.
+#if defined(GK_DEVICE) && !defined(GK_NO_GATHERS)
+typedef gk_u64 __attribute__((aligned(4), may_alias)) gk_two_words; // the first in the lower half
+#define GK_READ(table, tag, index, member)                                                \
+    (((union {                                                                            \
+         gk_u32 bits;                                                                     \
+         __typeof__(+((struct tag *)0)->member) value;                                    \
+     }){(gk_u32)(((const GK_GLOBAL gk_two_words *)(table) +                               \
+                  __builtin_offsetof(struct tag, member) /                                \
+                      8)[(gk_i32)((gk_u32)(index) * (gk_u32)(sizeof(struct tag) / 8))] >> \
+                 (__builtin_offsetof(struct tag, member) % 8 * 8))})                      \
+         .value)
+#else
+#define GK_READ GK_READ_ALONE
+#endif
+
+struct gk_two {
+    gk_u32 first, second;
+};
+
+// Words `at` and at + 1 of a table of less than 2^29. By bytes: gathers of 64 bits scale their offsets
+// by 8 or not at all.
+GK_INLINE struct gk_two gk_two_at(const GK_GLOBAL void *table, gk_i32 at)
+{
+    struct gk_two two;
+#if defined(GK_DEVICE) && !defined(GK_NO_GATHERS)
+    const gk_u64 words = *(const GK_GLOBAL gk_two_words *)((const GK_GLOBAL char *)table +
+                                                           (gk_i32)((gk_u32)at * 4u));
+    two.first = (gk_u32)words;
+    two.second = (gk_u32)(words >> 32);
+#else
+    two.first = ((const GK_GLOBAL gk_u32 *)table)[at];
+    two.second = ((const GK_GLOBAL gk_u32 *)table + 1)[at];
+#endif
+    return two;
+}
 
 GK_INLINE gk_u32 gk_as_u32(gk_f32 x)
 {

@@ -65,10 +65,11 @@ GK_INLINE struct gk_vec gk_found_emission(const __global struct gk_frame *frame,
                                           const struct gk_path *path, const struct gk_hit *hit)
 {
 #ifdef GK_EMISSION
-    const gk_u32 first = GK_INSTANCE(scene, hit->instance, light);
+    const gk_u32 first = GK_READ_ALONE(scene->instance, gk_instance, hit->instance, light);
     const gk_u32 index = first + (hit->triangle - GK_INSTANCE(scene, hit->instance, triangle));
     const gk_i32 sampled = (first != GK_NONE) & (frame->lights > 0u) & (path->pdf >= 0.0f);
     const gk_u32 light = sampled ? index : 0u;
+    GK_CUT(lights->cut, light);
     const gk_f32 choice =
         gk_table_choice(frame, lights, path->o, light) * (1.0f - frame->env_choice);
     const gk_f32 pdf =
@@ -120,7 +121,7 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
     s1 = in_grid ? near.s : s1;
     s2 = in_grid ? near.t : s2;
 #endif
-    GK_CUT(lights->cut);
+    GK_CUT(lights->cut, index);
     struct gk_light_sample s =
         gk_light_from_table(lights->light, index, to->keys, to->x, chosen, s1, s2);
 #ifdef GK_LIGHT_GRID
@@ -130,8 +131,8 @@ GK_INLINE struct gk_light_sample gk_choose_light(const __global struct gk_frame 
     const gk_u32 record = s.triangle == GK_NONE ? 0u : s.triangle;
     const gk_u32 texture =
         s.material == GK_NONE ? GK_NONE : GK_MATERIAL(scene, s.material, emission_texture);
-    const struct gk_texel e =
-        gk_texture_at(&scene->textures, texture, gk_coordinates_at(scene, record, s.u, s.v));
+    const struct gk_texel e = gk_texture_at(&scene->textures, texture, GK_TEXELS_COLOUR,
+                                            gk_coordinates_at(scene, record, s.u, s.v));
     s.L = gk_mul(s.L, gk_vec(e.r, e.g, e.b));
 #else
     (void)scene;
@@ -326,7 +327,7 @@ GK_INLINE void gk_store_first_hit(__global float *wave, gk_u32 stride,
     const gk_i32 first = x->path.depth == 0u && !x->passes;
     const gk_u32 lane = first ? x->path.lane : GK_LANE_OF_NOBODY(stride);
     const gk_i32 missed = x->missed;
-    const gk_u32 matte = GK_INSTANCE(scene, x->hit.instance, matte);
+    const gk_u32 matte = GK_READ_ALONE(scene->instance, gk_instance, x->hit.instance, matte);
     GK_STORE_U32(GK_COL_KEY, lane, missed ? GK_MATTE_BACKGROUND : matte);
 #ifdef GK_AOVS
     const struct gk_vec forward = gk_vec(frame->forward[0], frame->forward[1], frame->forward[2]);
@@ -387,7 +388,7 @@ GK_INLINE struct gk_environment gk_environment_of(const __global struct gk_frame
 GK_INLINE struct gk_cut gk_cut_of(__global float *wave, gk_u32 stride, gk_u32 i)
 {
     struct gk_cut cut = gk_cut_none();
-#ifdef GK_CUTS
+#ifdef GK_NO_GATHERS
     cut.at = &GK_LOAD(GK_COL_CUT, i);
     cut.never = GK_LOAD_U32(GK_COL_DEPTH, i) == 0xffffffffu;
 #else

@@ -49,7 +49,7 @@ const char *glint_compiler_options(void)
     if (__builtin_cpu_supports("avx512f"))
         return "";
 #endif
-    return "-DGK_CUTS";
+    return "-DGK_NO_GATHERS";
 }
 
 static void leave_alone(struct options *o, const char *kernel, const char *copy)

@@ -142,8 +142,7 @@ glint_status glint_share_geometry(struct glint_resident *r, struct glint_error *
 void glint_share_settle(struct glint_resident *r);
 
 // Index of the texture record for a use of an image, GK_NONE for no texture.
-uint32_t glint_resident_texture(const struct glint_resident *r, const struct glint_texture *use,
-                                bool srgb);
+uint32_t glint_resident_texture(const struct glint_resident *r, const struct glint_texture *use);
 
 // Sets ends[axis] where a texture of the material reads uv set `uv_set` so that even whole numbers
 // may not be taken off coordinates along that axis: it is clamped, or its transform does not map

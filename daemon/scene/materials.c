@@ -55,16 +55,16 @@ static uint32_t flags_of(const struct glint_material *m)
 static void fill_textures(const struct glint_resident *r, const struct glint_material *m,
                           struct gk_material *out)
 {
-    out->base_texture = glint_resident_texture(r, &m->base_color_texture, true);
-    out->rough_texture = glint_resident_texture(r, &m->metallic_roughness_texture, false);
-    out->normal_texture = glint_resident_texture(r, &m->normal_texture, false);
-    out->emission_texture = glint_resident_texture(r, &m->emission_texture, true);
-    out->specular_texture = glint_resident_texture(r, &m->specular_texture, false);
-    out->specular_color_texture = glint_resident_texture(r, &m->specular_color_texture, true);
-    out->transmission_texture = glint_resident_texture(r, &m->transmission_texture, false);
-    out->coat_texture = glint_resident_texture(r, &m->clearcoat_texture, false);
-    out->coat_rough_texture = glint_resident_texture(r, &m->clearcoat_roughness_texture, false);
-    out->coat_normal_texture = glint_resident_texture(r, &m->clearcoat_normal_texture, false);
+    out->base_texture = glint_resident_texture(r, &m->base_color_texture);
+    out->rough_texture = glint_resident_texture(r, &m->metallic_roughness_texture);
+    out->normal_texture = glint_resident_texture(r, &m->normal_texture);
+    out->emission_texture = glint_resident_texture(r, &m->emission_texture);
+    out->specular_texture = glint_resident_texture(r, &m->specular_texture);
+    out->specular_color_texture = glint_resident_texture(r, &m->specular_color_texture);
+    out->transmission_texture = glint_resident_texture(r, &m->transmission_texture);
+    out->coat_texture = glint_resident_texture(r, &m->clearcoat_texture);
+    out->coat_rough_texture = glint_resident_texture(r, &m->clearcoat_roughness_texture);
+    out->coat_normal_texture = glint_resident_texture(r, &m->clearcoat_normal_texture);
 }
 
 static void fill(const struct glint_resident *r, const struct glint_material *m,

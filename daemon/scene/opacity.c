@@ -52,8 +52,8 @@ double glint_resident_emission(const struct glint_resident *r, uint32_t texture,
         const float u = fraction(0.5f + 0.7548777f * (float)i),
                     v = fraction(0.5f + 0.5698403f * (float)i);
         const float a = v > u ? u * 0.5f : u - v * 0.5f, b = v > u ? v - u * 0.5f : v * 0.5f;
-        const struct gk_texel e =
-            gk_texture_at(&t.textures, texture, gk_coordinates_at(&t, triangle, a, b));
+        const struct gk_texel e = gk_texture_at(&t.textures, texture, GK_TEXELS_COLOUR,
+                                                gk_coordinates_at(&t, triangle, a, b));
         sum += 0.2126 * e.r + 0.7152 * e.g + 0.0722 * e.b;
     }
     return sum / LOOKS;

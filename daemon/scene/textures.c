@@ -10,7 +10,7 @@
 
 // Where an image's texels lie.
 struct spot {
-    uint32_t pool, offset, tiles;
+    uint32_t pool, offset;
     bool used;
 };
 
@@ -21,24 +21,20 @@ static size_t tiled_texels(const struct glint_image *image)
 
 #define USES 10
 
-// The ways in which a material uses images; `srgb` tells which of them are colours.
-static const struct glint_texture *use_of(const struct glint_material *m, int use, bool *srgb)
+// The ways in which a material uses images.
+static const struct glint_texture *use_of(const struct glint_material *m, int use)
 {
-    const struct {
-        const struct glint_texture *texture;
-        bool srgb;
-    } t[USES] = {{&m->base_color_texture, true},
-                 {&m->metallic_roughness_texture, false},
-                 {&m->normal_texture, false},
-                 {&m->emission_texture, true},
-                 {&m->specular_texture, false},
-                 {&m->specular_color_texture, true},
-                 {&m->transmission_texture, false},
-                 {&m->clearcoat_texture, false},
-                 {&m->clearcoat_roughness_texture, false},
-                 {&m->clearcoat_normal_texture, false}};
-    *srgb = t[use].srgb;
-    return t[use].texture;
+    const struct glint_texture *texture[USES] = {&m->base_color_texture,
+                                                 &m->metallic_roughness_texture,
+                                                 &m->normal_texture,
+                                                 &m->emission_texture,
+                                                 &m->specular_texture,
+                                                 &m->specular_color_texture,
+                                                 &m->transmission_texture,
+                                                 &m->clearcoat_texture,
+                                                 &m->clearcoat_roughness_texture,
+                                                 &m->clearcoat_normal_texture};
+    return texture[use];
 }
 
 // KHR_texture_transform: translation, rotation and scale, the last applied first. The rotation is
@@ -58,9 +54,9 @@ static bool is_transformed(const struct glint_texture *use)
            use->scale[1] != 1.0f || use->rotation != 0.0f;
 }
 
-static uint32_t flags_of(const struct glint_texture *use, bool srgb)
+static uint32_t flags_of(const struct glint_texture *use)
 {
-    return (uint32_t)use->wrap_u | (uint32_t)use->wrap_v << 2 | (srgb ? GK_TEXTURE_SRGB : 0u) |
+    return (uint32_t)use->wrap_u | (uint32_t)use->wrap_v << 2 |
            (use->filter == GLINT_FILTERING_NEAREST ? GK_TEXTURE_NEAREST : 0u) |
            (use->uv_set == 1 ? GK_TEXTURE_UV1 : 0u) |
            (is_transformed(use) ? GK_TEXTURE_TRANSFORMED : 0u);
@@ -83,7 +79,6 @@ static glint_status place_images(const struct glint_resident *r, struct spot *sp
                               POOLS);
         spot[i].pool = pool;
         spot[i].offset = (uint32_t)used[pool];
-        spot[i].tiles = (image->width + 7) / 8;
         used[pool] += texels;
     }
     return GLINT_OK;
@@ -105,7 +100,6 @@ static void fill_decode(float *table)
     for (int i = 0; i < 256; i++) {
         const double c = i / 255.0;
         table[i] = (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
-        table[256 + i] = (float)c;
     }
 }
 
@@ -118,15 +112,14 @@ static uint32_t find_record(const struct gk_texture *t, uint32_t n, const struct
 }
 
 static struct gk_texture record_of(const struct glint_resident *r, const struct spot *spot,
-                                   const struct glint_texture *use, bool srgb)
+                                   const struct glint_texture *use)
 {
     const struct glint_image *image = &r->scene->image[use->image];
-    struct gk_texture t = {.offset = spot[use->image].offset,
-                           .pool = spot[use->image].pool,
-                           .width = image->width,
+    struct gk_texture t = {.width = image->width,
                            .height = image->height,
-                           .tiles = spot[use->image].tiles,
-                           .flags = flags_of(use, srgb),
+                           .offset = spot[use->image].offset,
+                           .flags = flags_of(use),
+                           .pool = spot[use->image].pool,
                            .image = use->image};
     fill_transform(use, t.transform);
     return t;
@@ -138,16 +131,15 @@ static void add_records(struct glint_resident *r, const struct spot *spot)
     uint32_t n = 0;
     for (uint32_t i = 0; i < r->scene->materials; i++)
         for (int use = 0; use < USES; use++) {
-            bool srgb;
-            const struct glint_texture *of = use_of(&r->scene->material[i], use, &srgb);
+            const struct glint_texture *of = use_of(&r->scene->material[i], use);
             if (of->image == GLINT_NONE)
                 continue;
-            const struct gk_texture wanted = record_of(r, spot, of, srgb);
+            const struct gk_texture wanted = record_of(r, spot, of);
             if (find_record(t, n, &wanted) == n)
                 t[n++] = wanted;
         }
     if (n == 0) // what a kernel reads when it has no texture
-        t[0] = (struct gk_texture){.width = 1, .height = 1, .tiles = 1};
+        t[0] = (struct gk_texture){.width = 1, .height = 1};
 }
 
 static glint_status mark_used(const struct glint_resident *r, struct spot *spot,
@@ -156,8 +148,7 @@ static glint_status mark_used(const struct glint_resident *r, struct spot *spot,
     glint_status st = GLINT_OK;
     for (uint32_t i = 0; i < r->scene->materials; i++)
         for (int use = 0; use < USES; use++) {
-            bool srgb;
-            const uint32_t image = use_of(&r->scene->material[i], use, &srgb)->image;
+            const uint32_t image = use_of(&r->scene->material[i], use)->image;
             if (image == GLINT_NONE || spot[image].used)
                 continue;
             spot[image].used = true;
@@ -202,7 +193,7 @@ glint_status glint_resident_build_textures(struct glint_resident *r, struct glin
         st = glint_buffer_create(&r->table[GLINT_TABLE_TEXTURES], r->devices,
                                  records * sizeof(struct gk_texture), err);
     if (!st)
-        st = glint_buffer_create(&r->table[GLINT_TABLE_DECODE], r->devices, 512 * sizeof(float),
+        st = glint_buffer_create(&r->table[GLINT_TABLE_DECODE], r->devices, 256 * sizeof(float),
                                  err);
     if (!st)
         st = fill_pools(r, spot, used, err);
@@ -214,13 +205,12 @@ glint_status glint_resident_build_textures(struct glint_resident *r, struct glin
     return st;
 }
 
-uint32_t glint_resident_texture(const struct glint_resident *r, const struct glint_texture *use,
-                                bool srgb)
+uint32_t glint_resident_texture(const struct glint_resident *r, const struct glint_texture *use)
 {
     if (use->image == GLINT_NONE)
         return GK_NONE;
     const struct gk_texture *t = glint_table_host(r, GLINT_TABLE_TEXTURES);
-    const uint32_t flags = flags_of(use, srgb);
+    const uint32_t flags = flags_of(use);
     float transform[6];
     fill_transform(use, transform);
     uint32_t i = 0;
@@ -244,8 +234,7 @@ static bool periodic_along(const struct glint_texture *use, int axis)
 void glint_material_note_ends(const struct glint_material *m, uint32_t uv_set, bool ends[2])
 {
     for (int use = 0; use < USES; use++) {
-        bool srgb;
-        const struct glint_texture *t = use_of(m, use, &srgb);
+        const struct glint_texture *t = use_of(m, use);
         for (int axis = 0; axis < 2; axis++)
             ends[axis] |= t->image != GLINT_NONE && t->uv_set == uv_set && !periodic_along(t, axis);
     }
