@@ -18,8 +18,9 @@ struct glint_lanes {
 };
 
 struct glint_compact {
-    bool wide;      // 16 lanes move at a time: the processor has AVX-512
-    uint32_t lanes; // that are looked at
+    uint32_t step;       // lanes that move at a time: 16 with AVX-512, 8 with AVX2, else 1
+    uint64_t order[256]; // for a mask of 8: the lanes that it names, a byte each, in their order
+    uint32_t lanes;      // that are looked at
     struct glint_lanes holding, others;
 };
 
@@ -27,9 +28,9 @@ void glint_compact_init(struct glint_compact *c);
 
 // Columns are aligned for vectors and have room for a block beyond `lanes`, 0..GLINT_WAVE_LANES.
 // distance: > 0 in the lanes that go on. held: not 0 in those that hold coverage, of the first
-// `holding` lanes; beyond, nobody does.
+// `holders` lanes; beyond, nobody does.
 void glint_compact_look(struct glint_compact *c, const float *distance, uint32_t lanes,
-                        const uint32_t *held, uint32_t holding);
+                        const uint32_t *held, uint32_t holders);
 
 // Moves what the lanes have in `column`, or only those that hold coverage. Lanes after them are
 // left with anything.
